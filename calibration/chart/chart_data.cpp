@@ -19,11 +19,13 @@ namespace {
 
 bool is_thin(const Patch& patch) { return patch.thickness_mm > 0; }
 
-std::vector<std::string> thick_roles_of(const PatchTable& table) {
+std::vector<std::string> told_roles_of(const PatchTable& table) {
     std::set<std::string> roles;
-    for (const Patch& patch : table.patches)
-        for (const ResinShare& share : patch.top)
-            if (!is_thin(patch)) roles.insert(share.role);
+    for (const Patch& patch : table.patches) {
+        if (is_thin(patch) && !table.is_of_laminates()) continue;
+        for (const ResinShare& share : patch.top) roles.insert(share.role);
+        for (const PatchLayer& layer : patch.under) roles.insert(layer.role);
+    }
     return {roles.begin(), roles.end()};
 }
 
@@ -47,13 +49,15 @@ void add_squares(const PatchTable& table, bool own_instrument, ChartData& data) 
                             patch.where, mixture_text(patch.top)));
         }
         PatchMixture held = patch.top;
-        held.push_back({patch.backing, 1});
+        if (!patch.is_laminate()) held.push_back({patch.backing, 1});
+        for (const PatchLayer& layer : patch.under) held.push_back({layer.role, 1});
         for (const ResinShare& share : held)
             if (std::ranges::find(data.roles, share.role) == data.roles.end())
                 throw InputError(
                     fmt::format("{}: the square {} upon {} holds the resin {}, which no thick mixture of the chart "
                                 "does; measure a mixture of it too, or leave the square out.",
-                                patch.where, mixture_text(patch.top), patch.backing, share.role));
+                                patch.where, mixture_text(patch.top),
+                                patch.is_laminate() ? "other layers" : patch.backing, share.role));
         const Eigen::Vector3d xyz = optics::adapt_white(xyz_of(patch, observer), observer.white, data.white);
         const Eigen::Index row = data.squares.roots.rows();
         data.squares.roots.conservativeResize(row + 1, 3);
@@ -89,7 +93,7 @@ Eigen::Matrix3d lab_of_roots() {
 
 ChartData chart_data(const PatchTable& table, const PatchTable& squares, const ResinPrior& edges) {
     ChartData data;
-    data.roles = thick_roles_of(table);
+    data.roles = told_roles_of(table);
     const TableObserver observer = table_observer(table.channels, optics::Illuminant::d50);
     data.illuminant = observer.illuminant, data.white = observer.white;
     std::map<std::string, std::size_t> rows;
@@ -109,12 +113,12 @@ ChartData chart_data(const PatchTable& table, const PatchTable& squares, const R
         row_of.push_back(static_cast<Eigen::Index>(entry->second));
     }
     const auto mixtures = static_cast<Eigen::Index>(sums.size()), resins = static_cast<Eigen::Index>(data.roles.size());
-    if (mixtures == 0)
+    if (mixtures == 0 && !table.is_of_laminates())
         throw InputError(fmt::format(
             "{}: all patches are thin squares upon a base; a chart tells its colours by thick mixtures. Add "
             "some, or write the squares as a target: top,backing,thickness_mm,R,G,B.",
             table.source));
-    if (mixtures < 2)
+    if (mixtures == 1)
         throw InputError(
             fmt::format("{}: one mixture alone tells nothing of its resins; measure a chart of them.", table.source));
     data.repeats = Eigen::VectorXd::Zero(mixtures);

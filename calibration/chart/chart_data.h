@@ -16,7 +16,8 @@
 
 namespace voxtone::calibration {
 
-/// Squares of known thickness upon a base, which tell lengths. They need not be on the chart.
+/// Squares of known thickness upon a base, which tell lengths. They need not be on the chart. Of a chart of laminates
+/// all that it holds.
 struct ThinSquares {
     std::vector<Patch> patches;
     std::vector<bool> own_instrument;     ///< not the chart's: a perfect diffuser is 1, no surface is seen
@@ -40,6 +41,8 @@ struct ChartData {
     std::vector<double> nm;             ///< the wavelengths
     optics::DifferenceSummary noise;    ///< CIEDE2000 of repeats from their mean; count 0: none was repeated
 
+    /// No mixtures: `squares` are laminates, which tell all.
+    [[nodiscard]] bool is_of_laminates() const { return mixtures() == 0; }
     /// Whether anything tells millimetres.
     [[nodiscard]] bool tells_lengths() const { return !squares.patches.empty() || !edges.empty(); }
     [[nodiscard]] Eigen::Index mixtures() const { return shares.rows(); }
@@ -47,8 +50,8 @@ struct ChartData {
 };
 
 /// Thick patches of `table` are mixtures, thin ones squares, and so are the patches of `squares`; `edges` may have no
-/// resins. Throws InputError where there are fewer than two mixtures, where a square is of a resin that no mixture
-/// holds, and where edges know of no resin of the chart.
+/// resins. Throws InputError where there are fewer than two mixtures and no laminates, where a square is of a resin
+/// that no mixture holds, and where edges know of no resin of the chart.
 [[nodiscard]] ChartData chart_data(const PatchTable& table, const PatchTable& squares = {},
                                    const ResinPrior& edges = {});
 

@@ -17,6 +17,7 @@
 #include "calibration/chart/observer_fit.h"
 #include "calibration/chart/residual_fit.h"
 #include "calibration/patches/patch_check.h"
+#include "calibration/patches/patch_mixture.h"
 
 namespace voxtone::calibration {
 
@@ -49,6 +50,15 @@ void expect_enough(const ChartData& data, const PatchTable& table, const ChartFi
                         table.source, data.resins()));
 }
 
+void expect_enough_laminates(const ChartData& data, const PatchTable& table, int channels) {
+    const std::size_t least = data.roles.size() * static_cast<std::size_t>(channels);
+    if (table.patches.size() >= least) return;
+    throw InputError(
+        fmt::format("{}: {} laminates are too few for {} resins in {} channels; measure at least {}, or ask for fewer "
+                    "channels.",
+                    table.source, table.patches.size(), data.roles.size(), channels, least));
+}
+
 std::string lengths_of(const ChartData& data, const ChartFitOptions& options) {
     std::vector<std::string> from;
     if (!data.squares.patches.empty()) from.push_back(fmt::format("{} thin squares", data.squares.patches.size()));
@@ -63,9 +73,17 @@ optics::ResinSet set_of(const ChartData& data, const ObserverParts& parts, const
     set.name = options.name;
     set.g = options.g, set.eta = options.eta;
     set.measured.geometry = options.geometry;
-    set.source = fmt::format("voxtone calibrate fit, {} mixtures of {}; lengths from {}", data.mixtures(), table.source,
-                             lengths_of(data, options));
+    set.source = data.is_of_laminates()
+                     ? fmt::format("voxtone calibrate fit, {} laminates of {}", table.patches.size(), table.source)
+                     : fmt::format("voxtone calibrate fit, {} mixtures of {}; lengths from {}", data.mixtures(),
+                                   table.source, lengths_of(data, options));
     return set;
+}
+
+void add_unrest(const ObserverFit& fit, ChartFit& result) {
+    if (!fit.converged)
+        result.warnings.emplace_back(
+            named_warning("not-converged", "the least squares stopped before it came to rest"));
 }
 
 // Where a set must not be trusted: mixtures that hold more of a resin than any patch did.
@@ -146,6 +164,32 @@ void add_held_out(const ChartData& data, const LeftOut& left, ChartFit& fit) {
             fit.solids.push_back({data.names[i], differences[i]});
 }
 
+ChartFit fit_laminates(const PatchTable& table, ChartFitOptions options, const Progress* progress) {
+    const Stopwatch watch;
+    options.channels = options.channels > 0 ? options.channels : usual_laminate_channels;
+    options.residual = false, options.pitch_mm = {};
+    const ChartData data = chart_data(table);
+    expect_enough_laminates(data, table, options.channels);
+    const ObserverChoice choice{options.channels, false};
+    ChartFit result;
+    result.of_laminates = true;
+    const ObserverFit fit = fit_observer(data, chart_model(data, choice, options), chart_start(data, choice, options),
+                                         progress, steps_of_result);
+    add_unrest(fit, result);
+    result.set = set_of(data, fit.parts, table, options);
+    std::vector<double> differences = root_differences(fit.square_roots, data.squares.roots);
+    result.fitted = optics::summarize(differences);
+    if (options.folds > 1) {
+        const int folds = std::min(options.folds, most_laminate_folds);
+        differences =
+            root_differences(leave_out(data, folds, choice, options, nullptr, progress).squares, data.squares.roots);
+        result.held_out = optics::summarize(differences);
+    }
+    result.worst = largest_differences(differences, [&](std::size_t k) { return patch_name(table.patches[k]); });
+    result.seconds = watch.total();
+    return result;
+}
+
 }  // namespace
 
 std::vector<HeldOutPatch> largest_differences(const std::vector<double>& differences,
@@ -158,10 +202,11 @@ std::vector<HeldOutPatch> largest_differences(const std::vector<double>& differe
 }
 
 ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const Progress* progress) {
-    VOXTONE_EXPECT(target.folds >= 2);
     if (target.channels != 0 && (target.channels < least_channels || target.channels > most_channels))
         throw InputError(
             fmt::format("{} channels: a fit takes {} to {}, or auto.", target.channels, least_channels, most_channels));
+    if (table.is_of_laminates()) return fit_laminates(table, target, progress);
+    VOXTONE_EXPECT(target.folds >= 2);
     const Stopwatch watch;
     const ChartData data = chart_data(table, target.squares, target.edges);
     expect_enough(data, table, target);
@@ -215,9 +260,7 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const
     if (model.fits_spread())
         result.dot_spread_text = fmt::format("Dot spread {:.2f} +- {:.2f}: 0 are sharp voxels, 1 an ideal mixture.",
                                              result.set.dot_spread, result.dot_spread_error);
-    if (!fit.converged)
-        result.warnings.emplace_back(
-            named_warning("not-converged", "the least squares stopped before it came to rest"));
+    add_unrest(fit, result);
     result.seconds = watch.total();
     return result;
 }

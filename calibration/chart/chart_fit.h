@@ -8,6 +8,9 @@
 // together, and each fold is predicted by a fit of the others. Lengths and noise of the residual are chosen anew by the
 // others, of many mixtures on all (they are as many numbers as resins, and one). Channels are chosen on all, which
 // flatters: `chosen_anew` says by how much. Thin squares, where there are some, are cut into the same folds.
+//
+// Laminates are fitted by the same unknowns, but with scattering of every resin in mm^-1, since thickness is known;
+// their channels are not searched, and there is no residual.
 #pragma once
 
 #include <functional>
@@ -32,6 +35,7 @@ struct HeldOutPatch {
 
 struct ChartFit {
     optics::ResinSet set;
+    bool of_laminates = false;  ///< figures are of laminates, and what is said of mixtures alone is empty
     optics::DifferenceSummary fitted, held_out, held_out_physics, noise;  ///< CIEDE2000; noise: of repeats
     std::vector<ChannelChoice> curve;                                     ///< of the channels that were tried
     double chosen_anew = 0;      ///< mean CIEDE2000 of the curve where others choose the channels; 0: no choice
@@ -47,6 +51,9 @@ struct ChartFit {
     std::vector<std::string> warnings;  ///< where the set must not be trusted
     double seconds = 0;
 };
+
+/// From five on, more channels gain little on the laminates of docs/decisions/013; more folds take long.
+inline constexpr int usual_laminate_channels = 5, most_laminate_folds = 3;
 
 /// Throws InputError (fewer patches than unknowns can bear, one hue, resins that no patch tells), Cancelled.
 [[nodiscard]] ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& options,

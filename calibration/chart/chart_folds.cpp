@@ -39,9 +39,9 @@ Rows rows_of(const std::vector<int>& fold, int k) {
 void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, const ObserverChoice& choice,
                   const ChartFitOptions& options, const ResidualShape* shape, const Progress* progress, LeftOut& out) {
     const auto [kept, left] = rows_of(fold, k);
-    if (left.empty()) return;
+    if (left.empty() && !data.is_of_laminates()) return;
     ChartData part = chart_rows(data, kept);
-    const int folds = *std::ranges::max_element(fold) + 1;
+    const int folds = static_cast<int>(out.parts.size());
     const auto [kept_squares, left_squares] = rows_of(folds_of(data.squares.roots.rows(), folds), k);
     part.squares = square_rows(data.squares, kept_squares);
     const std::vector<int> edge_fold = folds_of(static_cast<Eigen::Index>(data.edges.size()), folds);
@@ -110,13 +110,13 @@ std::vector<ObserverChoice> candidates(const ChartData& data, const ChartFitOpti
 
 ObserverModel chart_model(const ChartData& data, const ObserverChoice& choice, const ChartFitOptions& options) {
     return {data.resins(),
-            white_resin(data),
+            data.is_of_laminates() ? data.resins() : white_resin(data),
             choice.channels,
             {.g = options.g,
              .eta = options.eta,
              .geometry = options.geometry,
              .pitch_mm = options.pitch_mm,
-             .lengths = data.tells_lengths(),
+             .lengths = data.tells_lengths() && !data.is_of_laminates(),
              .known_observer = choice.of_spectra}};
 }
 
@@ -127,6 +127,7 @@ Eigen::VectorXd chart_scattering(const ChartData& data, const ObserverParts& par
 }
 
 ObserverParts chart_start(const ChartData& data, const ObserverChoice& choice, const ChartFitOptions& options) {
+    if (data.is_of_laminates()) return laminate_start(data, choice.channels);
     ObserverParts start =
         choice.of_spectra
             ? spectral_start(data, choice.channels, {.g = options.g, .eta = options.eta, .geometry = options.geometry})

@@ -20,11 +20,12 @@ struct ChartFitOptions {
     optics::MeasuringGeometry geometry = optics::MeasuringGeometry::directional_45_0;
     double g = 0.4, eta = 1.5;
     std::array<double, 3> pitch_mm{};  ///< of the voxels: their dot spread is fitted; 0: Eq. 7
-    int folds = 10;                    ///< of the last cross-validation, >= 2
-    optics::ResinSet lengths_from;  ///< whose white's scattering gives mm, or starts what squares and edges tell of it
-    PatchTable squares;             ///< thin squares of the same resins, read by another instrument; empty: none
-    ResinPrior edges;               ///< edge profiles of the same resins, at the same g and eta; empty: none
-    std::vector<std::string> expected;  ///< roles that must be there; empty: those of the table
+    int folds = 10;                    ///< of the last cross-validation, >= 2; of laminates 0 is none
+    optics::ResinSet lengths_from =
+        {};                   ///< whose white's scattering gives mm, or starts what squares and edges tell of it
+    PatchTable squares = {};  ///< thin squares of the same resins, read by another instrument; empty: none
+    ResinPrior edges = {};    ///< edge profiles of the same resins, at the same g and eta; empty: none
+    std::vector<std::string> expected = {};  ///< roles that must be there; empty: those of the table
 };
 
 /// A number of channels, and where their weights to XYZ come from.

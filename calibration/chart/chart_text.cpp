@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/patches/patch_mixture.h"
 #include "calibration/tables/table_cells.h"
 
 namespace voxtone::calibration {
@@ -27,6 +28,26 @@ void add_patches(io::JsonWriter& json, std::string_view key, std::string_view na
     for (const HeldOutPatch& patch : patches)
         json.begin_object().add(name, patch.mixture).add("de2000", patch.difference).end_object();
     json.end_list();
+}
+
+void add_instrument(io::JsonWriter& json, const optics::ResinSet& set) {
+    json.key("measured").begin_object().add("surface", set.measured.surface).add("gain", set.measured.gain);
+    json.end_object();
+}
+
+std::string worst_laminates(const char* which, const std::vector<HeldOutPatch>& worst) {
+    std::string text = fmt::format("\nLargest errors{}, layers from the top, mm:\n", which);
+    for (const HeldOutPatch& laminate : worst)
+        text += fmt::format("  {:>6.2f}  {}\n", laminate.difference, laminate.mixture);
+    return text;
+}
+
+FitFigures figures_of(const PatchCheck& check, const PatchTable& table) {
+    std::vector<double> differences;
+    for (const CheckedPatch& patch : check.patches) differences.push_back(patch.difference);
+    return {{{"laminates", "laminates", check.differences}},
+            "laminate",
+            largest_differences(differences, [&](std::size_t k) { return patch_name(table.patches[k]); })};
 }
 
 }  // namespace
@@ -77,6 +98,11 @@ std::string instrument_sentence(const optics::ResinSet& set) {
 }
 
 FitFigures figures_of(const ChartFit& fit) {
+    if (fit.of_laminates)
+        return {{{"held_out", "laminates left out of the fit", fit.held_out},
+                 {"fitted", "laminates that were fitted", fit.fitted}},
+                "laminate",
+                fit.worst};
     return {{{"held_out", "mixtures left out of the fit", fit.held_out},
              {"held_out_physics", "  the same by physics alone", fit.held_out_physics},
              {"fitted", "mixtures that were fitted", fit.fitted},
@@ -104,9 +130,13 @@ std::string honesty_of(const ChartFit& fit) {
 
 std::string chart_fit_text(const ChartFit& fit) {
     const optics::ResinSet& set = fit.set;
-    std::string text = fmt::format("{} resins in {} channels of their own from {} mixtures, {:.1f} s\n\n",
-                                   set.resins.size(), set.channels.size(), fit.fitted.count, fit.seconds);
+    std::string text =
+        fmt::format("{} resins in {} channels of their own from {} {}, {:.1f} s\n\n", set.resins.size(),
+                    set.channels.size(), fit.fitted.count, fit.of_laminates ? "laminates" : "mixtures", fit.seconds);
     text += figures_text(figures_of(fit));
+    if (fit.of_laminates)
+        return text + worst_laminates(fit.held_out.count > 0 ? " of laminates left out" : "", fit.worst) +
+               instrument_sentence(set) + "\n";
     if (const std::string honesty = honesty_of(fit); !honesty.empty()) text += honesty + "\n";
     if (!fit.curve.empty()) {
         text += "\nMixtures left out, by number of channels: mean by physics, with residual\n";
@@ -139,15 +169,21 @@ std::string chart_fit_text(const ChartFit& fit) {
 std::string chart_fit_json(const ChartFit& fit) {
     const optics::ResinSet& set = fit.set;
     io::JsonWriter json;
-    json.begin_object().add("format", "voxtone-chart-fit").add("version", 1).add("seconds", fit.seconds);
-    json.add("channels", set.channels.size()).add("observer", observer_word(fit.observer));
-    json.add("mixtures", fit.fitted.count);
+    json.begin_object().add("format", fit.of_laminates ? "voxtone-layer-fit" : "voxtone-chart-fit").add("version", 1);
+    json.add("seconds", fit.seconds).add("channels", set.channels.size());
+    if (!fit.of_laminates) json.add("observer", observer_word(fit.observer));
+    json.add(fit.of_laminates ? "laminates" : "mixtures", fit.fitted.count);
     add_figures(json, figures_of(fit));
+    if (fit.of_laminates) {
+        add_instrument(json, set);
+        return json.add("warnings", fit.warnings).end_object().text();
+    }
     json.key("residual").begin_object().add("centres", set.residual.centres().rows());
     json.add("mean_de2000", fit.residual_size).end_object();
     json.add("length_error", fit.length_error).key("dot_spread").begin_object().add("value", set.dot_spread);
-    json.add("error", fit.dot_spread_error).end_object().key("measured").begin_object();
-    json.add("surface", set.measured.surface).add("gain", set.measured.gain).end_object().key("curve").begin_list();
+    json.add("error", fit.dot_spread_error).end_object();
+    add_instrument(json, set);
+    json.key("curve").begin_list();
     for (const ChannelChoice& choice : fit.curve) {
         json.begin_object().add("channels", choice.observer.channels).add("observer", observer_word(choice.observer));
         json.add("physics", choice.physics).add("with_residual", choice.with_residual).end_object();
@@ -155,6 +191,18 @@ std::string chart_fit_json(const ChartFit& fit) {
     json.end_list().add("chosen_anew", fit.chosen_anew).add("residual_anew", fit.residual_anew);
     add_patches(json, "solids", "mixture", fit.solids);
     return json.add("warnings", fit.warnings).end_object().text();
+}
+
+std::string laminate_check_text(const PatchCheck& check, const PatchTable& table) {
+    const FitFigures figures = figures_of(check, table);
+    return figures_text(figures) + worst_laminates("", figures.worst);
+}
+
+std::string laminate_check_json(const PatchCheck& check, const PatchTable& table) {
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-layer-check").add("version", 1);
+    add_figures(json, figures_of(check, table));
+    return json.end_object().text();
 }
 
 }  // namespace voxtone::calibration

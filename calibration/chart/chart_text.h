@@ -8,6 +8,10 @@
 //    "residual": {"centres", "mean_de2000"}, "measured": {"surface", "gain"},
 //    "curve": [{"channels", "physics", "with_residual"}], "chosen_anew", "residual_anew", "worst": [{"mixture",
 //    "de2000"}], "solids": [...], "warnings": [...]}
+//   of laminates {"format": "voxtone-layer-fit", "version": 1, "seconds", "channels", "laminates", "fitted":
+//   DIFFERENCES,
+//    "held_out": DIFFERENCES, "worst": [{"laminate", "de2000"}], "measured": {"surface", "gain"}, "warnings": [...]}
+//   of their check {"format": "voxtone-layer-check", "version": 1, "laminates": DIFFERENCES, "worst": [...]}
 //   DIFFERENCES: {"count", "mean_de2000", "median_de2000", "p95_de2000", "max_de2000"}
 #pragma once
 
@@ -15,6 +19,7 @@
 #include <vector>
 
 #include "calibration/chart/chart_fit.h"
+#include "calibration/patches/patch_check.h"
 #include "io/files/json_writer.h"
 #include "io/report/report.h"
 
@@ -43,5 +48,8 @@ void add_figures(io::JsonWriter& json, const FitFigures& figures);
 [[nodiscard]] std::string honesty_of(const ChartFit& fit);
 [[nodiscard]] std::string chart_fit_text(const ChartFit& fit);
 [[nodiscard]] std::string chart_fit_json(const ChartFit& fit);
+/// What a set says of laminates.
+[[nodiscard]] std::string laminate_check_text(const PatchCheck& check, const PatchTable& table);
+[[nodiscard]] std::string laminate_check_json(const PatchCheck& check, const PatchTable& table);
 
 }  // namespace voxtone::calibration

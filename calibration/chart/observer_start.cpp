@@ -28,6 +28,16 @@ double absorption(const ChartData& data, Eigen::Index resin, double nm) {
     return absorption_by_colour(data.lab.row(purest_patch(data, resin)).transpose(), data.white, nm);
 }
 
+// How much of a resin a laminate shows: its share of the layers above the base, the uppermost counting once more.
+double shown_of(const Patch& laminate, const std::string& role) {
+    double sum = 2, of = laminate.top.front().role == role ? 2 : 0;
+    for (std::size_t k = 0; k + 1 < laminate.under.size(); ++k) {
+        sum += 1;
+        if (laminate.under[k].role == role) of += 1;
+    }
+    return of / sum;
+}
+
 }  // namespace
 
 double absorption_by_reflectance(double rho) {
@@ -83,6 +93,27 @@ ObserverParts observer_start(const ChartData& data, Eigen::Index channels) {
     start.surface = 0.015, start.gain = 1;
     for (Eigen::Index c = 0; c < channels; ++c)
         for (Eigen::Index r = 0; r < data.resins(); ++r) start.a(r, c) = absorption(data, r, start_nm(c, channels));
+    return start;
+}
+
+ObserverParts laminate_start(const ChartData& data, Eigen::Index channels) {
+    constexpr double usual_scattering_per_mm = 10;
+    ObserverParts start;
+    start.weights = start_weights(channels);
+    start.s.setConstant(data.resins(), channels, usual_scattering_per_mm);
+    start.a.resize(data.resins(), channels);
+    start.scattering.setOnes(channels);
+    start.surface = 0.015, start.gain = 1, start.dot_spread = 0;
+    const std::vector<Patch>& laminates = data.squares.patches;
+    for (Eigen::Index r = 0; r < data.resins(); ++r) {
+        const auto most = std::ranges::max_element(laminates, {}, [&](const Patch& laminate) {
+            return shown_of(laminate, data.roles[static_cast<std::size_t>(r)]);
+        });
+        const Eigen::Vector3d lab =
+            lab_of_roots() * data.squares.roots.row(most - laminates.begin()).transpose() - Eigen::Vector3d(16, 0, 0);
+        for (Eigen::Index c = 0; c < channels; ++c)
+            start.a(r, c) = usual_scattering_per_mm * absorption_by_colour(lab, data.white, start_nm(c, channels));
+    }
     return start;
 }
 

@@ -25,5 +25,7 @@ namespace voxtone::calibration {
 [[nodiscard]] double absorption_by_colour(const Eigen::Vector3d& lab, const Eigen::Vector3d& white, double nm);
 
 [[nodiscard]] ObserverParts observer_start(const ChartData& data, Eigen::Index channels);
+/// Of laminates: absorption from those that show most of a resin; all scattering per mm.
+[[nodiscard]] ObserverParts laminate_start(const ChartData& data, Eigen::Index channels);
 
 }  // namespace voxtone::calibration

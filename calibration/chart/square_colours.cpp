@@ -9,7 +9,7 @@ namespace voxtone::calibration {
 SquareColours::SquareColours(const ThinSquares& squares, std::vector<std::string> roles, const ObserverModel& model)
     : squares_(squares), roles_(std::move(roles)), model_(model) {
     options_.g = model.options().g, options_.eta = model.options().eta, options_.pitch_mm = model.options().pitch_mm;
-    if (!squares_.patches.empty()) plan_ = patch_plan(options_);
+    if (!squares_.patches.empty()) plan_ = patch_plan(options_, squares_.patches.front().is_laminate());
 }
 
 void SquareColours::prepare(const ObserverParts& parts, bool with_derivatives) {

@@ -6,7 +6,8 @@
 //   XYZ_k / white_k = gain sum_c w_ck (surface + rho_c(S_c a, S_c s, thickness)) (calibration/patches/patch_model.h)
 //
 // Squares of the chart's own table were read by its instrument; those of another table are reflectances of a perfect
-// diffuser, of which gain is 1 and surface 0. Units mm, mm^-1. What it cannot see: the sides of a square.
+// diffuser, of which gain is 1 and surface 0. Laminates are such squares too; there are thousands of them, seen along
+// eight directions. Units mm, mm^-1. What it cannot see: the sides of a square, layers that have run into each other.
 #pragma once
 
 #include <memory>

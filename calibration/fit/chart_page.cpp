@@ -8,7 +8,6 @@
 
 #include "calibration/chart/chart_text.h"
 #include "calibration/fit/patch_page.h"
-#include "calibration/layers/layer_text.h"
 #include "io/programs/build_identity.h"
 #include "io/report/plot_svg.h"
 #include "io/report/report_html.h"
@@ -137,7 +136,7 @@ ReportSection channels_of(const ChartFit& fit) {
 
 }  // namespace
 
-std::string layer_fit_html(const LayerFit& fit) {
+std::string laminate_fit_html(const ChartFit& fit) {
     io::Report report;
     report.program_version = io::program_version();
     report.title = fmt::format("Fit of {}", fit.set.name);

@@ -8,7 +8,6 @@
 
 #include "calibration/chart/chart_fit.h"
 #include "calibration/fit/patch_map.h"
-#include "calibration/layers/layer_fit.h"
 #include "calibration/patches/patch_check.h"
 
 namespace voxtone::calibration {
@@ -18,6 +17,6 @@ namespace voxtone::calibration {
                                          const PatchMap& map);
 
 /// The page of laminates: figures and resins.
-[[nodiscard]] std::string layer_fit_html(const LayerFit& fit);
+[[nodiscard]] std::string laminate_fit_html(const ChartFit& fit);
 
 }  // namespace voxtone::calibration

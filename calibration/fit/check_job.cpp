@@ -4,11 +4,9 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/warning.h"
 #include "calibration/fit/ended_fit.h"
 #include "calibration/fit/fit_text.h"
 #include "calibration/fit/patch_page.h"
-#include "calibration/layers/layer_text.h"
 #include "calibration/patches/patch_check.h"
 #include "calibration/target/target_file.h"
 #include "io/disk/output_files.h"
@@ -20,18 +18,12 @@ namespace voxtone::calibration {
 JobResult run_check_job(const CheckJob& job, Progress& progress) {
     job.map.validate_of_squares(job.page);
     if (!job.page.empty()) io::expect_outputs({job.page}, job.overwrite);
-    if (const auto layers = read_layer_chart(job.patches, job.measured.reading.illuminant)) {
-        if (!job.page.empty())
-            throw UsageError(
-                fmt::format("--out with {}, laminates: there is no page of them. Leave it out.", job.patches));
-        for (const std::string& note : layers->notes) progress.warn(named_warning("assumed", note));
-        const LayerCheck check = check_layers(io::find_resin_set(job.resins), *layers);
-        return {layer_check_json(check), layer_check_text(check)};
-    }
     const optics::ResinSet set = io::find_resin_set(job.resins);
     MeasuredPatchOptions measured = job.measured;
     for (const optics::Resin& resin : set.resins) measured.reading.known.push_back(resin.role);
     PatchTable table = read_measured_patches(job.patches, measured, job.model, progress);
+    if (table.is_of_laminates() && !job.page.empty())
+        throw UsageError(fmt::format("--out with {}, laminates: there is no page of them. Leave it out.", job.patches));
     if (table.is_chart)
         job.map.validate(job.page);
     else if (!job.map.target.empty())

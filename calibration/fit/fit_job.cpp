@@ -16,7 +16,6 @@
 #include "calibration/fit/fit_report.h"
 #include "calibration/fit/fit_text.h"
 #include "calibration/fit/spread_fit.h"
-#include "calibration/layers/layer_text.h"
 #include "calibration/target/target_file.h"
 #include "io/disk/output_files.h"
 #include "io/files/whole_file.h"
@@ -54,6 +53,13 @@ void expect_chart_options(const FitJob& job) {
     refuse(!job.map.target.empty(), "--target", "its patches lie on no target");
 }
 
+void expect_laminate_options(const FitJob& job) {
+    for (const auto& [option, value] : {std::pair{"--prior", job.prior}, std::pair{"--squares", job.squares}})
+        if (!value.empty())
+            throw UsageError(fmt::format("{} with {}, laminates, which tell lengths themselves. Leave it out.", option,
+                                         job.patches));
+}
+
 /// All that a fit leaves, when nothing can fail any more but the disk; the set last.
 void write_fit(const FitJob& job, const optics::ResinSet& set, const std::string& json, const std::string& page) {
     if (!job.report.empty()) io::write_whole_file(job.report, page);
@@ -89,31 +95,6 @@ std::optional<SpreadFit> spread_of(const FitJob& job, PatchTable checkers, const
     return fit_spread(checkers, fit.set, options.noise, errors, 0, &progress);
 }
 
-/// Layers in the place of patches.
-JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& progress) {
-    const FitOptions fit = options_of(job);
-    expect_chart_options(job);
-    if (!job.prior.empty())
-        throw UsageError(
-            fmt::format("--prior with {}, laminates, which tell lengths themselves. Leave it out.", job.patches));
-    if (!job.squares.empty())
-        throw UsageError(
-            fmt::format("--squares with {}, laminates, which tell lengths themselves. Leave it out.", job.patches));
-    for (const std::string& note : chart.notes) progress.warn(named_warning("assumed", note));
-    const auto others = job.check.empty() ? std::nullopt : read_layer_chart(job.check, job.measured.reading.illuminant);
-    if (!job.check.empty() && !others)
-        throw InputError(fmt::format("--check {}: holds no laminates, which {} does.", job.check, job.patches));
-    LayerFit found = fit_layers(
-        chart, {.name = fit.name, .channels = job.chart.channels, .g = fit.model.g, .eta = fit.model.eta}, &progress);
-    found.set = io::rounded_set(std::move(found.set));
-    for (const std::string& warning : found.warnings) progress.warn(warning);
-    std::string text = layer_fit_text(found);
-    if (others) text += fmt::format("\n{}\n{}", job.check, layer_check_text(check_layers(found.set, *others)));
-    write_fit(job, found.set, layer_fit_json(found), job.report.empty() ? std::string() : layer_fit_html(found));
-    text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
-    return {layer_fit_json(found), text};
-}
-
 }  // namespace
 
 void FitJob::validate() const {
@@ -142,6 +123,7 @@ FitOptions fit_options(const FitJob& job) {
 
 JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTable& table, Progress& progress) {
     expect_chart_options(job);
+    if (table.is_of_laminates()) expect_laminate_options(job);
     ChartFitOptions options = job.chart;
     options.name = fit.name;
     options.g = fit.model.g, options.eta = fit.model.eta, options.pitch_mm = fit.model.pitch_mm;
@@ -160,8 +142,10 @@ JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTab
     const PatchTable& shown = job.check.empty() ? table : others;
     const PatchCheck check = check_resins(found.set, shown, fit.model);
     if (!job.check.empty()) text += fmt::format("\n{}\n{}", job.check, check_text(check, others));
-    const std::string page =
-        job.report.empty() ? std::string() : chart_fit_html(found, shown, check, chart_of_patches(shown));
+    std::string page;
+    if (!job.report.empty())
+        page = found.of_laminates ? laminate_fit_html(found)
+                                  : chart_fit_html(found, shown, check, chart_of_patches(shown));
     write_fit(job, found.set, chart_fit_json(found), page);
     text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
     return {chart_fit_json(found), text};
@@ -170,8 +154,6 @@ JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTab
 JobResult run_fit_job(const FitJob& job, Progress& progress) {
     job.validate();
     io::expect_outputs(job.outputs(), job.overwrite);
-    if (const auto layers = read_layer_chart(job.patches, job.measured.reading.illuminant))
-        return run_layer_fit(job, *layers, progress);
     const FitOptions options = fit_options(job);
     const MeasuredPatchOptions measured = measured_options(job, options);
     PatchTable checkers;

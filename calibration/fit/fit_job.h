@@ -2,7 +2,7 @@
 //
 // `voxtone calibrate fit`: from a file of patches to a file of resins, with what is known of their errors beside it.
 // Thin squares of a target: calibration/fit/resin_fit.h, with a page to look at, a check with other patches and a sweep
-// over g. A chart of mixtures: calibration/chart/chart_fit.h. Laminates: calibration/layers/layer_fit.h.
+// over g. A chart of mixtures, or of laminates: calibration/chart/chart_fit.h.
 #pragma once
 
 #include <filesystem>

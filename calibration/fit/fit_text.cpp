@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/chart/chart_text.h"
 #include "calibration/patches/patch_file.h"
 #include "io/files/json_writer.h"
 
@@ -196,11 +197,13 @@ std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtr
 }
 
 std::string check_text(const PatchCheck& check, const PatchTable& table) {
+    if (table.is_of_laminates()) return laminate_check_text(check, table);
     return fmt::format("{}\nrms error of a reflectance {:.4f}\n{}", differences_text(check.differences), check.rms,
                        worst_patches(check, table));
 }
 
 std::string check_json(const PatchCheck& check, const PatchTable& table) {
+    if (table.is_of_laminates()) return laminate_check_json(check, table);
     io::JsonWriter json;
     add_check(json, check, table);
     return json.text();

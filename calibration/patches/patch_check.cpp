@@ -62,6 +62,7 @@ void expect_resins(const optics::ResinSet& set, const PatchTable& table) {
     for (const Patch& patch : table.patches) {
         std::vector<std::string> needed;
         if (!patch.backing.empty()) needed.push_back(patch.backing);
+        for (const PatchLayer& layer : patch.under) needed.push_back(layer.role);
         for (const ResinShare& share : patch.top) needed.push_back(share.role);
         for (const std::string& role : needed)
             if (set.find(role) < 0)

@@ -9,6 +9,7 @@
 #include "calibration/patches/cgats_file.h"
 #include "calibration/patches/chart_csv.h"
 #include "calibration/patches/cxf_file.h"
+#include "calibration/patches/laminate_file.h"
 #include "calibration/patches/target_csv.h"
 #include "calibration/tables/cgats_text.h"
 #include "calibration/tables/table_cells.h"
@@ -39,6 +40,7 @@ PatchTable parse_patches(std::string_view bytes, std::string source, const Patch
                         source));
     if (is_xml(text)) return finished_chart(read_cxf(text, source), rules);
     if (CgatsText::is(text)) return finished_chart(read_cgats(text, source, words), rules);
+    if (is_laminate_file(text)) return read_laminates(text, std::move(source), reading.illuminant);
     if (is_target_csv(text)) return read_target_csv(text, std::move(source), reading.illuminant);
     return finished_chart(read_chart_csv(text, source, words), rules);
 }

@@ -3,6 +3,7 @@
 // Measured patches as files. What a file is, its content says, not its name:
 //
 //   a target: CSV whose header begins top,backing,thickness_mm (target_csv.h)
+//   laminates: CSV whose header begins layers, or JSON (laminate_file.h)
 //   a chart of mixtures: CSV with a column for each resin (chart_csv.h), CGATS text (cgats_file.h), CxF3 (cxf_file.h)
 #pragma once
 

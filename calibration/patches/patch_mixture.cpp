@@ -59,6 +59,11 @@ std::string light_name(optics::LightThrough light) { return light == optics::Lig
 
 std::string patch_name(const Patch& patch) {
     std::string name = mixture_text(patch.top);
+    if (patch.is_laminate()) {
+        name += fmt::format(" {:.3g}", patch.thickness_mm);
+        for (const PatchLayer& layer : patch.under) name += fmt::format(", {} {:.3g}", layer.role, layer.thickness_mm);
+        return name;
+    }
     if (patch.is_checker()) name += fmt::format(" in cells of {:.3g} x {:.3g} mm", patch.cell_mm[0], patch.cell_mm[1]);
     if (patch.lit) return fmt::format("{} of {:.3g} mm, {}", name, patch.thickness_mm, light_name(*patch.lit));
     return patch.backing.empty() ? name : fmt::format("{} on {}", name, patch.backing);

@@ -14,7 +14,7 @@ namespace voxtone::calibration {
 [[nodiscard]] PatchMixture parse_mixture(std::string_view text);
 [[nodiscard]] std::string mixture_text(const PatchMixture& mixture);
 
-/// "C:10+W:90 on K", or "C:10+W:90" where it is thick, for messages.
+/// "C:10+W:90 on K", "C:10+W:90" where it is thick, "Y 0.08, W 0.8" of a laminate, for messages.
 [[nodiscard]] std::string patch_name(const Patch& patch);
 
 /// As tables name it in the place of a base: "light" from all sides, or a "beam".

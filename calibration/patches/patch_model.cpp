@@ -2,6 +2,7 @@
 #include "calibration/patches/patch_model.h"
 
 #include <algorithm>
+#include <map>
 
 #include "base/contracts.h"
 #include "optics/layered/layered_appearance.h"
@@ -35,41 +36,58 @@ constexpr double least_per_mm = 1e-12;
 
 }  // namespace
 
-std::shared_ptr<const optics::OrdinatePlan> patch_plan(const PatchModelOptions& options) {
-    return std::make_shared<const optics::OrdinatePlan>(optics::directional_plan(options.g, options.eta));
+std::shared_ptr<const optics::OrdinatePlan> patch_plan(const PatchModelOptions& options, bool coarse) {
+    return std::make_shared<const optics::OrdinatePlan>(coarse ? optics::directional_plan(options.g, options.eta, 3, 3)
+                                                               : optics::directional_plan(options.g, options.eta));
 }
 
 PatchModel::PatchModel(std::span<const Patch> patches, std::vector<std::string> roles, const PatchModelOptions& options,
                        std::shared_ptr<const optics::OrdinatePlan> plan)
     : roles_(std::move(roles)), options_(options), plan_(plan ? std::move(plan) : patch_plan(options)) {
-    below_ =
-        options_.under == UnderBase::black ? optics::Admittance::black(*plan_) : optics::Admittance::air(*plan_, false);
-    const auto resin = [&](const std::string& role) {
-        const auto found = std::ranges::find(roles_, role);
-        VOXTONE_EXPECT(found != roles_.end());
-        return static_cast<std::size_t>(found - roles_.begin());
-    };
     for (const Patch& patch : patches) {
         Layer layer{{}, {}, patch.thickness_mm};
         for (const ResinShare& share : patch.top) {
-            layer.resins.push_back(resin(share.role));
+            layer.resins.push_back(index_of_resin(share.role));
             layer.fractions.push_back(share.fraction);
         }
-        patches_.push_back({index_of(layers_, layer),
-                            patch.lit ? 0 : index_of(bases_, Base{resin(patch.backing), patch.base_mm}), patch.lit});
+        patches_.push_back({index_of(layers_, layer), patch.lit ? 0 : add_base(patch), patch.lit});
     }
     of_layer_.resize(layers_.size());
     for (std::size_t p = 0; p < patches_.size(); ++p) of_layer_[patches_[p].layer].push_back(p);
 }
 
+std::size_t PatchModel::index_of_resin(const std::string& role) const {
+    const auto found = std::ranges::find(roles_, role);
+    VOXTONE_EXPECT(found != roles_.end());
+    return static_cast<std::size_t>(found - roles_.begin());
+}
+
+std::size_t PatchModel::add_base(const Patch& patch) {
+    if (!patch.is_laminate() && patch.base_mm == 0) return index_of(bases_, Base{index_of_resin(patch.backing)});
+    std::size_t base = index_of(bases_, Base{.ends = patch.is_laminate() ? UnderBase::air : options_.under});
+    if (!patch.is_laminate()) return index_of(bases_, Base{index_of_resin(patch.backing), patch.base_mm, base});
+    for (auto layer = patch.under.rbegin(); layer != patch.under.rend(); ++layer)
+        base = index_of(bases_, Base{index_of_resin(layer->role), layer->thickness_mm, base});
+    return base;
+}
+
 PatchModel::Bases PatchModel::bases(std::span<const Medium> resins, bool with_derivatives) const {
     Bases laws;
     laws.reserve(bases_.size());
+    std::map<std::pair<std::size_t, double>, std::shared_ptr<const optics::OrdinateSlab>> slabs;
     for (const Base& base : bases_) {
-        if (base.thickness_mm > 0)
-            laws.emplace_back(*plan_, resins[base.resin], base.thickness_mm, below_, with_derivatives);
-        else
+        if (base.resin == nothing) {
+            laws.emplace_back(base.ends == UnderBase::black ? optics::Admittance::black(*plan_)
+                                                            : optics::Admittance::air(*plan_, false));
+        } else if (base.below == nothing) {
             laws.emplace_back(*plan_, resins[base.resin], with_derivatives);
+        } else {
+            auto& slab = slabs[{base.resin, base.thickness_mm}];
+            if (!slab)
+                slab = std::make_shared<const optics::OrdinateSlab>(*plan_, resins[base.resin], base.thickness_mm,
+                                                                    with_derivatives);
+            laws.emplace_back(slab, laws[base.below]);
+        }
     }
     return laws;
 }
@@ -101,7 +119,7 @@ void PatchModel::run(std::span<const Medium> resins, const Bases& laws, std::spa
             optics::LayerReflectance result;
             if (const auto lit = patches_[p].lit; lit && by_resin) {
                 const auto [value, by] = optics::slab_transmission_slopes(*plan_, mixed.medium, mm, *lit);
-                result = {value, by, {}};
+                result = {value, by, {}, {}};
             } else if (lit) {
                 result.rho = optics::slab_transmission(*plan_, mixed.medium, mm, *lit);
             } else {
@@ -121,9 +139,13 @@ void PatchModel::run(std::span<const Medium> resins, const Bases& laws, std::spa
             }
             row[row.size() - 1] += slope(mixed.by.by_chord);
             if (patches_[p].lit) continue;
-            const auto base = static_cast<Eigen::Index>(2 * bases_[patches_[p].base].resin);
-            row[base] += result.by_base.sigma_a;
-            row[base + 1] += result.by_base.sigma_s;
+            for (std::size_t at = patches_[p].base; bases_[at].resin != nothing; at = bases_[at].below) {
+                const Medium by_base = at == patches_[p].base ? result.by_base : laws[at].slopes(result.under);
+                const auto base = static_cast<Eigen::Index>(2 * bases_[at].resin);
+                row[base] += by_base.sigma_a;
+                row[base + 1] += by_base.sigma_s;
+                if (bases_[at].below == nothing) break;
+            }
         }
     }
 }

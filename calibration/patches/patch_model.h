@@ -4,16 +4,19 @@
 // by every resin's absorption and scattering.
 //
 // A patch is a layer of a mixture upon a base (optics/layered/layer_on_base.h). Squares of one mixture and thickness
-// share the modes of their layer, squares on one base share its law. Of slabs lit from behind: what comes through
-// (optics/layered/slab_transmission.h), slopes by differences. Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq.
-// 7) or, where the pitch of the voxels is given, halftones (optics/media/effective_medium.h). A base of unknown
-// thickness has no end; one of known thickness ends at what is `under` it.
+// share the modes of their layer, squares on one base share its law, laminates that of the lower layers they have in
+// common. Of slabs lit from behind: what comes through (optics/layered/slab_transmission.h), slopes by differences.
+// Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq. 7) or, where the pitch of the voxels is given, halftones
+// (optics/media/effective_medium.h). A base of unknown thickness has no end; one of known thickness ends at what is
+// `under` it, a laminate at air.
 //
-// Units mm, mm^-1. Error of rho with the 15 directions used: 1e-6 for patches of 0.675 mm. Time: docs/benchmarks.md.
+// Units mm, mm^-1. Error of rho with the 15 directions used: 1e-6 for patches of 0.675 mm; with the eight of a
+// laminates' plan 1e-3. Time: docs/benchmarks.md.
 // What it cannot see: the sides of a square (light that leaves it sideways), rough surfaces.
 #pragma once
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -50,8 +53,10 @@ struct PatchModelOptions {
     [[nodiscard]] bool ideal_mixtures() const { return pitch_mm[0] == 0; }
 };
 
-/// The same for all channels and for models of parts of a target: what depends on g and eta alone.
-[[nodiscard]] std::shared_ptr<const optics::OrdinatePlan> patch_plan(const PatchModelOptions& options);
+/// The same for all channels and for models of parts of a target: what depends on g and eta alone. `coarse`: of eight
+/// directions.
+[[nodiscard]] std::shared_ptr<const optics::OrdinatePlan> patch_plan(const PatchModelOptions& options,
+                                                                     bool coarse = false);
 
 class PatchModel {
 public:
@@ -83,11 +88,16 @@ private:
         double thickness_mm;
         friend bool operator==(const Layer&, const Layer&) = default;
     };
+    static constexpr std::size_t nothing = std::numeric_limits<std::size_t>::max();
     struct Base {
-        std::size_t resin;
-        double thickness_mm;
+        std::size_t resin = nothing;        ///< nothing: `ends` there
+        double thickness_mm = 0;            ///< 0: without end
+        std::size_t below = nothing;        ///< another one, which stands before it
+        UnderBase ends = UnderBase::black;  ///< counts where there is no resin
         friend bool operator==(const Base&, const Base&) = default;
     };
+    [[nodiscard]] std::size_t add_base(const Patch& patch);
+    [[nodiscard]] std::size_t index_of_resin(const std::string& role) const;
     struct Place {
         std::size_t layer, base;
         std::optional<optics::LightThrough> lit = {};  ///< then there is no base
@@ -105,7 +115,6 @@ private:
     std::vector<std::string> roles_;
     PatchModelOptions options_;
     std::shared_ptr<const optics::OrdinatePlan> plan_;
-    optics::Admittance below_;
     std::vector<Layer> layers_;
     std::vector<Base> bases_;
     std::vector<Place> patches_;

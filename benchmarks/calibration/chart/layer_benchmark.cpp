@@ -14,7 +14,9 @@
 #include <CLI/CLI.hpp>
 
 #include "base/random.h"
-#include "calibration/layers/layer_fit.h"
+#include "calibration/chart/chart_fit.h"
+#include "calibration/patches/patch_check.h"
+#include "calibration/patches/patch_file.h"
 
 namespace {
 
@@ -22,8 +24,14 @@ using namespace voxtone;
 using namespace voxtone::calibration;
 
 // Order of the layers above the base.
-void turn_over(LayerChart& chart) {
-    for (LayerLaminate& stack : chart.laminates) std::reverse(stack.begin(), stack.end() - 1);
+void turn_over(PatchTable& chart) {
+    for (Patch& patch : chart.patches) {
+        std::vector<PatchLayer> layers{{patch.top.front().role, patch.thickness_mm}};
+        layers.insert(layers.end(), patch.under.begin(), patch.under.end() - 1);
+        std::reverse(layers.begin(), layers.end());
+        patch.top = {{layers.front().role, 1}}, patch.thickness_mm = layers.front().thickness_mm;
+        std::copy(layers.begin() + 1, layers.end(), patch.under.begin());
+    }
 }
 
 }  // namespace
@@ -41,24 +49,26 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     fmt::print("  mean  median   95 %  seconds  channels\n");
     for (const std::string& file : files) {
-        auto chart = read_layer_chart(file);
-        if (!chart) {
+        PatchTable chart = read_patches(file);
+        if (!chart.is_of_laminates()) {
             fmt::print("{}: no laminates\n", file);
             continue;
         }
-        if (reversed) turn_over(*chart);
-        std::vector<std::size_t> order(chart->laminates.size());
+        if (reversed) turn_over(chart);
+        std::vector<std::size_t> order(chart.patches.size());
         std::iota(order.begin(), order.end(), std::size_t{0});
         RandomStream random(draw, 7);
         for (std::size_t k = order.size(); k > 1; --k)
             std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
-        const auto middle = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
-        const LayerFit fit = fit_layers(chart_laminates(*chart, {order.begin(), middle}),
-                                        {.name = "half", .channels = channels, .folds = 0});
-        const LayerCheck check = check_layers(fit.set, chart_laminates(*chart, {middle, order.end()}));
-        fmt::print("{:>6.2f}  {:>6.2f}  {:>5.2f}  {:>7.1f}  {:>8}  {} (fitted half {:.2f}, gain {:.3f})\n",
-                   check.summary.mean, check.summary.median, check.summary.percentile_95, fit.seconds,
-                   fit.set.channels.size(), file, fit.fitted.mean, fit.set.measured.gain);
+        PatchTable half = chart, other = chart;
+        half.patches.clear(), other.patches.clear();
+        for (std::size_t k = 0; k < order.size(); ++k)
+            (k < order.size() / 2 ? half : other).patches.push_back(chart.patches[order[k]]);
+        const ChartFit fit = fit_chart(half, {.name = "half", .channels = channels, .folds = 0});
+        const optics::DifferenceSummary check = check_resins(fit.set, other, {}).differences;
+        fmt::print("{:>6.2f}  {:>6.2f}  {:>5.2f}  {:>7.1f}  {:>8}  {} (fitted half {:.2f}, gain {:.3f})\n", check.mean,
+                   check.median, check.percentile_95, fit.seconds, fit.set.channels.size(), file, fit.fitted.mean,
+                   fit.set.measured.gain);
         std::fflush(stdout);
     }
     return 0;
