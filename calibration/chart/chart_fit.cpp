@@ -127,10 +127,6 @@ bool tells_spread(const ChartData& data, const ChartFitOptions& options, const P
     return false;
 }
 
-// Lengths and noise of a residual are chosen anew for each fold of so few mixtures; of more that takes longer than the
-// fit.
-constexpr Eigen::Index most_chosen_anew = 250;
-
 // Standard error of an estimate from those that left a fold out each (Efron 1982).
 double jackknife_error(const std::vector<double>& left_out) {
     const auto folds = static_cast<double>(left_out.size());
@@ -181,8 +177,8 @@ ChartFit fit_laminates(const PatchTable& table, ChartFitOptions options, const P
     result.fitted = optics::summarize(differences);
     if (options.folds > 1) {
         const int folds = std::min(options.folds, most_laminate_folds);
-        differences =
-            root_differences(leave_out(data, folds, choice, options, nullptr, progress).squares, data.squares.roots);
+        differences = root_differences(leave_out(data, folds, choice, options, nullptr, fit.parts, progress).squares,
+                                       data.squares.roots);
         result.held_out = optics::summarize(differences);
     }
     result.worst = largest_differences(differences, [&](std::size_t k) { return patch_name(table.patches[k]); });
@@ -248,9 +244,9 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const
     result.fitted = optics::summarize(root_differences(fitted, data.roots));
 
     const int folds = static_cast<int>(std::min<Eigen::Index>(options.folds, data.mixtures()));
-    result.residual_anew = options.residual && data.mixtures() <= most_chosen_anew;
-    const LeftOut out = result.residual_anew ? leave_out(data, folds, choice, options, nullptr, progress)
-                                             : leave_out(data, folds, choice, chosen, &shape, progress);
+    result.residual_anew = options.residual && is_fitted_anew(data);
+    const LeftOut out = leave_out(data, folds, choice, result.residual_anew ? options : chosen,
+                                  result.residual_anew ? nullptr : &shape, fit.parts, progress);
     add_held_out(data, out, result);
     add_limits(data, result);
     add_parameter_errors(data, model, out, result);

@@ -35,9 +35,10 @@ Rows rows_of(const std::vector<int>& fold, int k) {
     return rows;
 }
 
-// One fold: what the others say of it.
+// One fold: what the others say of it, from the fit of all where it is given.
 void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, const ObserverChoice& choice,
-                  const ChartFitOptions& options, const ResidualShape* shape, const Progress* progress, LeftOut& out) {
+                  const ChartFitOptions& options, const ResidualShape* shape, const ObserverParts* whole,
+                  const Progress* progress, LeftOut& out) {
     const auto [kept, left] = rows_of(fold, k);
     if (left.empty() && !data.is_of_laminates()) return;
     ChartData part = chart_rows(data, kept);
@@ -49,7 +50,8 @@ void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, co
     for (std::size_t i = 0; i < data.edges.size(); ++i)
         if (edge_fold[i] != k) part.edges.push_back(data.edges[i]);
     const ObserverModel model = chart_model(data, choice, options);
-    const ObserverFit fit = fit_observer(part, model, chart_start(part, choice, options), progress);
+    const ObserverFit fit =
+        fit_observer(part, model, chart_start(part, choice, options), progress, steps_of_trial, whole);
     out.parts[static_cast<std::size_t>(k)] = fit.parts;
     const ThinSquares others = square_rows(data.squares, left_squares);
     const Eigen::MatrixX3d square_roots = SquareColours(others, data.roles, model).roots(fit.parts);
@@ -148,13 +150,21 @@ std::vector<int> folds_of(Eigen::Index count, int folds, std::uint64_t cut) {
     return fold;
 }
 
+bool is_fitted_anew(const ChartData& data) {
+    constexpr Eigen::Index most = 250;
+    return (data.is_of_laminates() ? data.squares.roots.rows() : data.mixtures()) <= most;
+}
+
 LeftOut leave_out(const ChartData& data, int folds, const ObserverChoice& choice, const ChartFitOptions& options,
-                  const ResidualShape* shape, const Progress* progress) {
+                  const ResidualShape* shape, const ObserverParts& whole, const Progress* progress) {
     const std::vector<int> fold = folds_of(data.mixtures(), folds);
     LeftOut out = empty_prediction(data, folds);
     parallel_for(
         0, static_cast<std::size_t>(folds), 1,
-        [&](std::size_t k) { predict_fold(data, fold, static_cast<int>(k), choice, options, shape, progress, out); },
+        [&](std::size_t k) {
+            predict_fold(data, fold, static_cast<int>(k), choice, options, shape,
+                         is_fitted_anew(data) ? nullptr : &whole, progress, out);
+        },
         progress);
     return out;
 }
@@ -176,6 +186,16 @@ ChannelCurve channel_curve(const ChartData& data, const ChartFitOptions& options
     std::vector<std::vector<int>> fold;
     for (std::size_t cut = 0; cut < cuts; ++cut) fold.push_back(folds_of(data.mixtures(), choice_folds, cut));
     std::vector<LeftOut> left(tried.size() * cuts, empty_prediction(data, choice_folds));
+    std::vector<ObserverParts> whole(is_fitted_anew(data) ? 0 : tried.size());
+    parallel_for(
+        0, whole.size(), 1,
+        [&](std::size_t task) {
+            const std::size_t at = tried.size() - 1 - task;
+            whole[at] = fit_observer(data, chart_model(data, tried[at], options), chart_start(data, tried[at], options),
+                                     progress)
+                            .parts;
+        },
+        progress);
     const std::size_t fits = cuts * choice_folds;
     const ResidualShape usual = usual_residual_shape(data.resins());
     // The largest first: they take longest.
@@ -183,8 +203,8 @@ ChannelCurve channel_curve(const ChartData& data, const ChartFitOptions& options
         0, tried.size() * fits, 1,
         [&](std::size_t task) {
             const std::size_t at = tried.size() - 1 - task / fits, cut = task % fits / choice_folds;
-            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options, &usual, progress,
-                         left[at * cuts + cut]);
+            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options, &usual,
+                         whole.empty() ? nullptr : &whole[at], progress, left[at * cuts + cut]);
         },
         progress);
     ChannelCurve curve;

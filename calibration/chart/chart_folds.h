@@ -39,9 +39,15 @@ struct LeftOut {
     std::vector<ObserverParts> parts;     ///< of each fold's fit
 };
 
-/// Every fold by the others. `shape`: of the residual; nullptr: chosen anew by the others. Throws Cancelled.
+/// Of so few mixtures or laminates each fold is fitted from the usual start, and chooses its own shape of the residual.
+/// Of more that takes long: their fits begin where that of all ended, which a fold moves little, near the same start.
+[[nodiscard]] bool is_fitted_anew(const ChartData& data);
+
+/// Every fold by the others. `shape`: of the residual; nullptr: chosen anew by the others. `whole`: the fit of all.
+/// Throws Cancelled.
 [[nodiscard]] LeftOut leave_out(const ChartData& data, int folds, const ObserverChoice& choice,
-                                const ChartFitOptions& options, const ResidualShape* shape, const Progress* progress);
+                                const ChartFitOptions& options, const ResidualShape* shape, const ObserverParts& whole,
+                                const Progress* progress);
 
 struct ChannelCurve {
     std::vector<ChannelChoice> choices;

@@ -94,23 +94,23 @@ private:
     const ColourModel& model_;
 };
 
-class NearStart : public ceres::CostFunction {
+class NearUsual : public ceres::CostFunction {
 public:
-    explicit NearStart(Eigen::VectorXd start) : start_(std::move(start)) {
-        set_num_residuals(static_cast<int>(start_.size()));
-        mutable_parameter_block_sizes()->push_back(static_cast<int>(start_.size()));
+    explicit NearUsual(Eigen::VectorXd usual) : usual_(std::move(usual)) {
+        set_num_residuals(static_cast<int>(usual_.size()));
+        mutable_parameter_block_sizes()->push_back(static_cast<int>(usual_.size()));
     }
     bool Evaluate(const double* const* unknowns, double* residuals, double** jacobians) const override {
-        const Eigen::Index n = start_.size();
+        const Eigen::Index n = usual_.size();
         Eigen::Map<Eigen::VectorXd> out(residuals, n);
-        out = ridge * (Eigen::Map<const Eigen::VectorXd>(unknowns[0], n) - start_);
+        out = ridge * (Eigen::Map<const Eigen::VectorXd>(unknowns[0], n) - usual_);
         if (jacobians && jacobians[0])
             Eigen::Map<Eigen::MatrixXd>(jacobians[0], n, n) = ridge * Eigen::MatrixXd::Identity(n, n);
         return true;
     }
 
 private:
-    Eigen::VectorXd start_;
+    Eigen::VectorXd usual_;
 };
 
 // Looks at every step: whether the user wants to stop, and whether there is still something to gain.
@@ -148,8 +148,8 @@ std::vector<double> root_differences(const Eigen::MatrixX3d& predicted, const Ei
     return differences;
 }
 
-bool fit_colours(const ColourTargets& targets, ColourModel& model, Eigen::VectorXd& unknowns, const Progress* progress,
-                 int most_steps) {
+bool fit_colours(const ColourTargets& targets, ColourModel& model, const Eigen::VectorXd& usual,
+                 Eigen::VectorXd& unknowns, const Progress* progress, int most_steps) {
     Preparation preparation(model, unknowns);
     ceres::Problem::Options ownership;
     ownership.evaluation_callback = &preparation;
@@ -158,7 +158,7 @@ bool fit_colours(const ColourTargets& targets, ColourModel& model, Eigen::Vector
         problem.AddResidualBlock(new ColourError(targets, i, model), new ceres::SoftLOneLoss(robust_from),
                                  unknowns.data());
     if (model.others() > 0) problem.AddResidualBlock(new OtherErrors(model), nullptr, unknowns.data());
-    problem.AddResidualBlock(new NearStart(unknowns), nullptr, unknowns.data());
+    problem.AddResidualBlock(new NearUsual(usual), nullptr, unknowns.data());
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = most_steps;

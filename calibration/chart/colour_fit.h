@@ -7,7 +7,7 @@
 // colour_i is XYZ / white, f CIELAB's root, |W d| is CIEDE2000 of a small difference d of roots, n_i how much a colour
 // counts, L(s) = 2 b^2 (sqrt(1 + s / b^2) - 1) with b = 2 CIEDE2000, so that a few wrong patches do not bend the rest,
 // o_j what is known besides,
-// u_0 the start, lambda = 1/2: a factor e^2 in an absorption counts as much as a patch that is off by 1.
+// u_0 what is usual, lambda = 1/2: a factor e^2 in an absorption counts as much as a patch that is off by 1.
 // Levenberg-Marquardt (Ceres); the same bits for any number of threads.
 #pragma once
 
@@ -42,11 +42,11 @@ public:
 /// Steps of a fit that is one of many; those of one that is kept.
 inline constexpr int steps_of_trial = 100, steps_of_result = 2000;
 
-/// From `unknowns` to the best; false where they did not come to rest within so many steps. At rest they are where a
-/// step gains less than 1e-6 of the sum, and, after `steps_of_trial` steps, where the last 25 gained less than 2e-3 of
-/// it: 0.1 % of the differences. Throws Cancelled.
-bool fit_colours(const ColourTargets& targets, ColourModel& model, Eigen::VectorXd& unknowns,
-                 const Progress* progress = nullptr, int most_steps = steps_of_trial);
+/// From `unknowns` to the best near `usual`; false where they did not come to rest within so many steps. At rest they
+/// are where a step gains less than 1e-6 of the sum, and, after `steps_of_trial` steps, where the last 25 gained less
+/// than 2e-3 of it: 0.1 % of the differences. Throws Cancelled.
+bool fit_colours(const ColourTargets& targets, ColourModel& model, const Eigen::VectorXd& usual,
+                 Eigen::VectorXd& unknowns, const Progress* progress = nullptr, int most_steps = steps_of_trial);
 
 /// CIELAB's roots of XYZ / white.
 [[nodiscard]] Eigen::Vector3d roots_of(const Eigen::Vector3d& relative);

@@ -63,11 +63,12 @@ Eigen::MatrixX3d predicted_roots(const ObserverModel& model, const ObserverParts
 }
 
 ObserverFit fit_observer(const ChartData& data, const ObserverModel& model, const ObserverParts& start,
-                         const Progress* progress, int most_steps) {
-    Eigen::VectorXd unknowns = model.unknowns_of(start);
+                         const Progress* progress, int most_steps, const ObserverParts* from) {
+    const Eigen::VectorXd usual = model.unknowns_of(start);
+    Eigen::VectorXd unknowns = from ? model.unknowns_of(*from) : usual;
     ChartColours colours(data, model, start);
     ObserverFit fit;
-    fit.converged = fit_colours(targets_of(data), colours, unknowns, progress, most_steps);
+    fit.converged = fit_colours(targets_of(data), colours, usual, unknowns, progress, most_steps);
     fit.parts = model.parts(unknowns, start);
     fit.roots = predicted_roots(model, fit.parts, data.shares);
     fit.square_roots = SquareColours(data.squares, data.roles, model).roots(fit.parts);

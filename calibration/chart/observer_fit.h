@@ -18,9 +18,11 @@ struct ObserverFit {
     bool converged = false;
 };
 
-/// From `start` (observer_start.h), whose scattering and dot spread hold where they are not fitted. Exact derivatives.
+/// Near `start` (observer_start.h), whose scattering and dot spread hold where they are not fitted; it begins there, or
+/// at `from`. Exact derivatives.
 [[nodiscard]] ObserverFit fit_observer(const ChartData& data, const ObserverModel& model, const ObserverParts& start,
-                                       const Progress* progress = nullptr, int most_steps = steps_of_trial);
+                                       const Progress* progress = nullptr, int most_steps = steps_of_trial,
+                                       const ObserverParts* from = nullptr);
 
 /// Roots that a model predicts of mixtures.
 [[nodiscard]] Eigen::MatrixX3d predicted_roots(const ObserverModel& model, const ObserverParts& parts,
