@@ -14,7 +14,8 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr double step = 0.1;
-constexpr double paths_of_all = 8e6;  // a channel: 0.5 % of a region, of two hundred
+// A channel: 0.5 % of a region, of which there are as many as calibration/compare/print_regions.h takes.
+constexpr double paths_of_region = 4e4, region_mm2 = 0.7 * 0.7, most_regions = 200;
 constexpr double least_paths = 4, most_paths = 1024;
 constexpr std::uint64_t seed_of_reference = 0x6a09e667f3bcc909;  // sqrt(2) - 1: nobody's choice
 
@@ -112,9 +113,12 @@ ResinResponse resin_response(const PredictedStack& seen, const PredictFigures& f
 
 std::vector<Eigen::Vector3f> colours_by_paths(const PredictedStack& seen, const PredictFigures& figures,
                                               Progress& progress) {
+    const std::vector<optics::SurfaceCell>& cells = seen.prediction.surface.cells;
+    double area_mm2 = 0;
+    for (const optics::SurfaceCell& cell : cells) area_mm2 += cell.area_mm2;
+    const double paths = paths_of_region * std::min(area_mm2 / region_mm2, most_regions);
     ModelOptions quality;
-    quality.paths = std::uint32_t(
-        std::clamp(std::ceil(paths_of_all / double(seen.prediction.surface.cells.size())), least_paths, most_paths));
+    quality.paths = std::uint32_t(std::clamp(std::ceil(paths / double(cells.size())), least_paths, most_paths));
     quality.seed = seed_of_reference;
     progress.begin_stage("light paths", 0);
     std::vector<Eigen::Vector3f> rgb =
