@@ -39,7 +39,8 @@ enum class ResinParts { extinction, extinction_and_absorption };
                                            Progress& progress);
 
 /// The same print by light paths, cell by cell of `seen`, in linear sRGB of a perfect diffuser's: as many
-/// paths a channel as its regions want, eight million at most, noise and all. Other paths than those of any seed of `predict`.
+/// paths a channel as its regions want, eight million at most, noise and all. Other paths than those of any seed of
+/// `predict`.
 [[nodiscard]] std::vector<Eigen::Vector3f> colours_by_paths(const PredictedStack& seen, const PredictFigures& figures,
                                                             Progress& progress);
 
