@@ -14,6 +14,7 @@
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/calibrate/photo_options.h"
 #include "cli/program/common_options.h"
+#include "io/profiles/lamp_file.h"
 #include "slicer/predict/top_print.h"
 #include "slicer/proof/proof_camera.h"
 
@@ -31,9 +32,14 @@ struct CompareArguments {
     RunOptions run;
 };
 
+/// For page and messages.
+std::string name_under(const std::string& stack, const std::string& illuminant) {
+    return illuminant == io::usual_lamp ? stack : fmt::format("{} under {}", stack, illuminant);
+}
+
 calibration::PredictedPrint flat_print(const CompareArguments& a, slicer::TopPrint top) {
     calibration::PredictedPrint print;
-    print.name = a.job.stack;
+    print.name = name_under(a.job.stack, top.illuminant);
     print.model = a.predict.model;
     print.columns = top.columns, print.rows = top.rows;
     print.cell_mm = {top.cell_mm[0], top.cell_mm[1]};
@@ -54,7 +60,7 @@ calibration::PredictedPrint flat_print(const CompareArguments& a, slicer::TopPri
 calibration::PredictedBody body_before(const CompareArguments& a, slicer::BodyPrint made) {
     const auto print = std::make_shared<const slicer::BodyPrint>(std::move(made));
     calibration::PredictedBody body;
-    body.name = a.job.stack;
+    body.name = name_under(a.job.stack, print->illuminant);
     body.model = a.predict.model;
     body.position = print->mesh.positions_mm;
     body.normal = print->normals;
@@ -103,6 +109,12 @@ std::variant<calibration::PredictedPrint, calibration::PredictedBody> predicted_
         progress);
     if (auto* top = std::get_if<slicer::TopPrint>(&print)) {
         expect_no_camera(a);
+        if (a.job.refit && top->illuminant != io::usual_lamp)
+            throw UsageError(
+                fmt::format("--refit: {} is looked at under {}, and resins are fitted to colours under {}: take the "
+                            "photograph under "
+                            "daylight and give --illuminant {}, or leave --refit out",
+                            a.job.stack, top->illuminant, io::usual_lamp, io::usual_lamp));
         return flat_print(a, std::move(*top));
     }
     return body_before(a, std::move(std::get<slicer::BodyPrint>(print)));
@@ -152,6 +164,7 @@ void add_prediction_options(Verb& command, CompareArguments& a) {
     command.add("--backing", a.predict.backing,
                 "what lay under the print, as `slice` is told; auto: what the job said, else black");
     add_resins_option(command, a.predict.resins, "; empty: that of the job");
+    add_illuminant_option(command, a.predict.illuminant);
     command.add("--viewing-distance", length(a.job.viewing_distance_mm),
                 "from which an eye looks: what it does not resolve does not count");
 }

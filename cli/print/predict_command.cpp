@@ -92,6 +92,7 @@ Verb predict_verb() {
     command.add("--backing", o.backing,
                 std::string("what lies under the print: ") + slicer::backing_words +
                     "; auto: what the job said, else black under a slab, none under a body");
+    add_illuminant_option(command, o.illuminant);
     add_foreign_stack_options(command, o.resins, o.assign, o.nearest, o.printer, o.pitch);
     command.group("Run");
     command.add("--memory", memory(o.memory_gib),

@@ -114,6 +114,7 @@ Verb proof_verb() {
                 "how far pixels gather their light: sigma of a Gaussian, as blurred as a camera's lens; 0: "
                 "each its own square",
                 {.unit = "PX"});
+    add_illuminant_option(command, o.illuminant);
     add_foreign_stack_options(command, o.resins, o.assign, o.nearest, o.printer, o.pitch);
     command.group("Run");
     command.add("--memory", memory(o.memory_gib), "most memory, GiB; 0: half of the machine's");

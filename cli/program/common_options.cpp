@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/program/common_options.h"
 
+#include "slicer/options/option_values.h"
+
 namespace voxtone::cli {
 
 void add_run_options(Verb& verb, RunOptions& options) {
@@ -32,6 +34,12 @@ void add_resins_option(Verb& verb, std::string& resins, const std::string& more)
 
 void add_resins(Verb& verb, std::string& resins, const std::string& more) {
     add_resin_set(verb, "resins", resins, more, true);
+}
+
+void add_illuminant_option(Verb& verb, std::string& illuminant) {
+    verb.add("--illuminant", illuminant,
+             std::string(slicer::illuminant_words) + ", and are a guess without; empty: that of the job",
+             {.unit = "LAMP|FILE"});
 }
 
 void add_printer_option(Verb& verb, std::string& printer) {

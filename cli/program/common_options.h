@@ -29,6 +29,8 @@ void add_resins_option(Verb& verb, std::string& resins, const std::string& more 
 /// A set or file that has to be named, by its place.
 void add_resins(Verb& verb, std::string& resins, const std::string& more = {});
 /// `--printer` as id or file.
+/// --illuminant of what shows a stack.
+void add_illuminant_option(Verb& verb, std::string& illuminant);
 void add_printer_option(Verb& verb, std::string& printer);
 /// `-o,--out`; `unit`: FILE or FOLDER.
 void add_out_option(Verb& verb, std::string& out, const char* unit, const char* help, bool required = true);

@@ -44,7 +44,8 @@ StackOrigin origin_in(const fs::path& folder) {
         const JsonObject job = JsonObject::read(file);
         if (text_or_nothing(job, "format") != "voxtone-job") return {};
         const auto text = [&](std::string_view key) { return text_or_nothing(job, key); };
-        return {text("model"), text("resins"), text("backing"), text("view"), text("coat"), text("enclose"), {}};
+        return {text("model"), text("resins"), text("illuminant"), text("backing"),
+                text("view"),  text("coat"),   text("enclose"),    {}};
     } catch (const Error& error) {
         StackOrigin none;  // a stack needs none
         none.fault = error.what();

@@ -34,8 +34,9 @@ enum class StackKind : std::uint8_t { voxtone, folder, gcvf };
 
 /// What the job.json beside a stack of ours says of how it was made; empty: nothing that can be understood.
 struct StackOrigin {
-    std::string model, resins, backing, view, coat, enclose;  ///< values of these keys, as they stand there
-    std::string fault;                                        ///< why there are none, where the file is there
+    /// Values of these keys, as they stand there.
+    std::string model, resins, illuminant, backing, view, coat, enclose;
+    std::string fault;  ///< why there are none, where the file is there
 };
 
 /// What there is in a stack.

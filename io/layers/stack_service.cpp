@@ -95,7 +95,7 @@ void describe(Stream& stream, Description& d) {
 }
 template <class Stream, is_a<StackOrigin> Origin>
 void describe(Stream& stream, Origin& o) {
-    stream(o.model, o.resins, o.backing, o.view, o.coat, o.enclose, o.fault);
+    stream(o.model, o.resins, o.illuminant, o.backing, o.view, o.coat, o.enclose, o.fault);
 }
 template <class Stream, is_a<GcvfMaterial> Value>
 void describe(Stream& stream, Value& m) {

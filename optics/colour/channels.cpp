@@ -25,8 +25,9 @@ std::optional<std::string> fault_of_wavelengths(const std::vector<double>& nm) {
 std::optional<std::string> fault_of(const Channels& channels) {
     VOXTONE_EXPECT(channels.wavelengths_nm.empty() || channels.xyz.empty());
     if (!channels.is_own()) return fault_of_wavelengths(channels.wavelengths_nm);
-    if (channels.size() > max_own_channels)
-        return fmt::format("there are {} channels; a printer's own are at most {}", channels.size(), max_own_channels);
+    // Those that a printer has are at most max_own_channels; wavelengths under a lamp (lamp.h) are more.
+    constexpr std::size_t most = 256;
+    if (channels.size() > most) return fmt::format("there are {} channels; at most {} can be", channels.size(), most);
     const Eigen::Vector3d white = colorimetric_white(channels.illuminant);
     for (std::size_t k = 0; k < 3; ++k) {
         double sum = 0;

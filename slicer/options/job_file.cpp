@@ -13,6 +13,7 @@
 #include "io/disk/named_path.h"
 #include "io/files/json_writer.h"
 #include "io/profiles/resin_file.h"
+#include "optics/colour/lamp.h"
 #include "slicer/options/mark_words.h"
 #include "slicer/options/option_table.h"
 
@@ -66,7 +67,7 @@ io::JsonObject parse_job(const std::string& path) {
 bool is_file_name(const std::string& text, const fs::path& folder) {
     if (text.find('/') != std::string::npos || text.ends_with(".json")) return true;
     std::error_code none;
-    return !io::known_resin_set_text(text) && fs::is_regular_file(folder / text, none);
+    return !io::known_resin_set_text(text) && !optics::known_lamp(text) && fs::is_regular_file(folder / text, none);
 }
 
 /// Every path that the options of `keys` name becomes `place(path)`; paths are seen from `folder`.

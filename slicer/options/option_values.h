@@ -61,6 +61,10 @@ template <class Number>
 inline constexpr const char* backing_words =
     "black, white, none, grey:0.5 (how much it sends back), #rrggbb, checker:2mm or a picture as large as the slab";
 
+inline constexpr const char* illuminant_words =
+    "lamp that the print is looked at by: D65, D50, A, F2, F11, LED-B1, LED-B3 (of the CIE), a black body (2700K) or a "
+    "table of its power (lamp.csv: nm,power); all but D65 want a resin set of wavelengths";
+
 /// What lies under a picture's slab.
 struct BackingChoice {
     optics::Backing kind = optics::Backing::black;

@@ -126,6 +126,7 @@ struct ResolvedJob {
 
     std::string printer;            ///< id or file
     std::string resins;             ///< set or file
+    std::string illuminant;         ///< lamp that the print is looked at by: name or file
     std::vector<std::string> load;  ///< roles; empty: what the printer loads by default
 
     PlacementOptions placement;

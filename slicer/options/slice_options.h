@@ -18,8 +18,9 @@ struct SliceOptions {
     std::string model;
     std::string out;
     std::string printer = "stratasys-j750-hm";
-    std::string resins;             ///< set or file; empty: the printer's default
-    std::vector<std::string> load;  ///< roles of the loaded resins; empty: what the printer loads by default
+    std::string resins;              ///< set or file; empty: the printer's default
+    std::string illuminant = "D65";  ///< a lamp by name, or a file
+    std::vector<std::string> load;   ///< roles of the loaded resins; empty: what the printer loads by default
     std::string core = "W";
 
     std::string unit = "auto";

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "io/profiles/lamp_file.h"
 #include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/part/backing_sheet.h"
@@ -98,6 +99,10 @@ std::string usual_resins(const ResolvedJob& job, const PrinterProfile& printer) 
     return printer.default_resins;
 }
 
+optics::ResinSet all_resins(const ResolvedJob& job, const PrinterProfile& printer) {
+    return io::seen_under(io::find_resin_set(job.resins.empty() ? printer.default_resins : job.resins), job.illuminant);
+}
+
 int most_resins(const PrinterProfile& printer) { return std::min(printer.max_resins, halftone::max_resins); }
 
 LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, const optics::ResinSet& all,
@@ -127,7 +132,7 @@ LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, c
 }
 
 LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) {
-    const optics::ResinSet all = io::find_resin_set(job.resins.empty() ? printer.default_resins : job.resins);
+    const optics::ResinSet all = all_resins(job, printer);
     return load_roles(job, printer, all, roles_to_load(job, printer, all));
 }
 

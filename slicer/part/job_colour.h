@@ -43,6 +43,9 @@ struct LoadedResins {
 /// What the printer carries at once, as far as a separation can mix it.
 [[nodiscard]] int most_resins(const PrinterProfile& printer);
 
+/// All resins of the job's set, the printer's where it names none, as they look under its lamp. Throws InputError.
+[[nodiscard]] optics::ResinSet all_resins(const ResolvedJob& job, const PrinterProfile& printer);
+
 /// These of a set's resins. Throws InputError: unknown role, more than the printer carries, the core resin not among
 /// them.
 [[nodiscard]] LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer,

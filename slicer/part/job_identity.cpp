@@ -16,6 +16,7 @@
 #include "io/models/model_reader.h"
 #include "io/profiles/resin_file.h"
 #include "io/programs/build_identity.h"
+#include "optics/colour/lamp.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
 
@@ -61,6 +62,8 @@ std::vector<JobInput> named_inputs(const OpenedJob& job, const Progress* progres
         inputs.push_back(file_input("backing", backing.picture, progress));
     else if (backing != optics::Backing::black)
         inputs.push_back({"backing", {}, text_sha256(backing.words)});
+    if (!options.illuminant.empty() && !optics::known_lamp(options.illuminant))
+        inputs.push_back(file_input("illuminant", options.illuminant, progress));
     if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, progress));
     if (job.other)
         for (const JobInput& input : job.other->inputs()) inputs.push_back(file_input(input.key, input.file, progress));

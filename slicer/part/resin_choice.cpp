@@ -110,7 +110,7 @@ std::optional<ResinChoice> choose_resins(const OpenedJob& job, const JobBody& bo
     if (!job.options.load.empty() || job.other || body.surface->triangles.empty() || wants_clear(job.options))
         return std::nullopt;
     if (static_cast<int>(slots) < most_resins(job.printer)) return std::nullopt;
-    const optics::ResinSet all = io::find_resin_set(job.options.resins);
+    const optics::ResinSet all = all_resins(job.options, job.printer);
     const Roles possible = candidates(all);
     if (possible.size() <= slots) return std::nullopt;
     const std::vector<Roles> sets = sets_of(possible, slots, job.options.colour.core);
@@ -158,7 +158,7 @@ OpenedJob with_best_resins(OpenedJob job, const JobBody& body, Progress& progres
 std::optional<HelpfulResin> most_helpful_resin(const OpenedJob& job, const JobBody& body) {
     Roles loaded = roles_of(job.resins);
     if (loaded.size() >= std::size_t{halftone::max_resins} || body.surface->triangles.empty()) return std::nullopt;
-    const optics::ResinSet all = io::find_resin_set(job.options.resins);
+    const optics::ResinSet all = all_resins(job.options, job.printer);
     const std::vector<Eigen::Vector3d> colours = sample_colours(body);
     const double now = mean_loss(job, body, job.resins, colours);
     std::optional<HelpfulResin> best;
@@ -185,7 +185,7 @@ std::optional<CoreLoss> loss_with_white_core(const OpenedJob& job, const JobBody
     const std::vector<Eigen::Vector3d> colours = sample_colours(body);
     ResolvedJob over_white = job.options;
     over_white.colour.core = white;
-    const LoadedResins resins = load_roles(over_white, job.printer, io::find_resin_set(job.options.resins), loaded);
+    const LoadedResins resins = load_roles(over_white, job.printer, all_resins(job.options, job.printer), loaded);
     const CoreLoss loss{mean_loss(job, body, resins, colours), mean_loss(job, body, job.resins, colours)};
     return is_worth_it(loss.mean_de2000, loss.now_de2000) ? std::optional(loss) : std::nullopt;
 }

@@ -8,6 +8,7 @@
 #include "base/progress_bar.h"
 #include "base/warning.h"
 #include "io/files/whole_file.h"
+#include "io/profiles/lamp_file.h"
 #include "io/programs/build_identity.h"
 #include "io/report/report_html.h"
 #include "io/report/report_picture.h"
@@ -109,6 +110,7 @@ void add_print(const OpenedJob& job, const JobBody& body, const io::StackDescrip
 
 std::vector<std::string> warnings_of(const OpenedJob& job, const JobBody& body, const JobMeasurements& f) {
     std::vector<std::string> warnings = job.printer.warnings();
+    if (const auto doubt = io::lamp_doubt(job.options.resins, job.options.illuminant)) warnings.push_back(*doubt);
     warnings.insert(warnings.end(), body.warnings.begin(), body.warnings.end());
     if (f.counts.thin_voxels > 0)
         warnings.push_back(named_warning(

@@ -56,6 +56,7 @@ BodyPrint body_print(PredictedStack predicted, const PredictFigures& figures) {
     for (const Eigen::Vector3f& p : print.mesh.positions_mm) positions.push_back(p.cast<double>());
     print.surface = std::make_shared<const MeshBoundary>(positions, print.mesh.triangles, Eigen::Vector3d::Zero());
     print.set = std::move(predicted.stack.resins);
+    print.illuminant = predicted.stack.illuminant;
     return print;
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,6 +25,7 @@ struct BodyPrint {
     std::array<double, 3> low_mm{}, high_mm{};  ///< of the volume, in the same frame
     double cell_mm = 0;                         ///< square root of a cell's area, the median
     optics::ResinSet set;                       ///< by which it was predicted
+    std::string illuminant;                     ///< under which lamp
     std::shared_ptr<const MeshBoundary> surface;
 
     /// [vertex * directions + direction]: 1 where nothing of the body lies in that direction, 0 also below the surface.

@@ -141,6 +141,7 @@ ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
     // The volume and, for relative values, its white twin are held at once.
     stack.volume = read_stack_volume({.stack = options.stack,
                                       .resins = options.resins,
+                                      .illuminant = options.illuminant,
                                       .printer = options.printer,
                                       .pitch_mm = job.pitch_mm,
                                       .assign = job.assign,

@@ -33,6 +33,7 @@ struct PredictOptions {
     bool absolute = false;            ///< instead of relative to the white resin
     bool lit = false;                 ///< .glb: a material for lights instead of colours as they are
     std::string resins;               ///< set or file; empty: that of the job, else the printer's
+    std::string illuminant;           ///< lamp, by name or file; empty: that of the job, else D65
     std::string printer, pitch;       ///< of foreign stacks
     std::vector<std::string> assign;  ///< "#rrggbb=ROLE", of foreign stacks
     bool nearest = false;             ///< of foreign stacks: other colours are the nearest of these

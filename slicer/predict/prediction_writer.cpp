@@ -18,6 +18,7 @@
 #include "io/files/whole_file.h"
 #include "io/models/glb_writer.h"
 #include "io/models/ply_writer.h"
+#include "io/profiles/lamp_file.h"
 #include "optics/colour/channels.h"
 #include "slicer/look/prediction_files.h"
 #include "slicer/look/preview.h"
@@ -148,6 +149,7 @@ PredictResult describe(const ResolvedPrediction& job, const PredictedStack& pred
     json.add("backing", f.backing.words).add("boundary", name_of(f.boundary));
     json.add("light_outside", name_of(job.outside));
     json.add("relative_to", options.absolute ? "entered light" : "white resin").add("resins", stack.resins.name);
+    json.add("illuminant", stack.illuminant);
     json.add("channels", prediction.channels).add("voxels", stack.volume.size());
     json.add("volume_bytes", stack.volume.memory_bytes()).add("cell_um", f.cell_um);
     json.add("cells", prediction.surface.cells.size()).add("mean_rgb", f.mean);
@@ -165,7 +167,9 @@ PredictResult describe(const ResolvedPrediction& job, const PredictedStack& pred
                                    f.from_behind                        ? "a source of light"
                                    : f.backing == optics::Backing::none ? "nothing"
                                                                         : fmt::format("a {} sheet", f.backing.words));
-    text += fmt::format("  mean colour (linear sRGB): {:.4f} {:.4f} {:.4f}\n", f.mean[0], f.mean[1], f.mean[2]);
+    text += fmt::format("  mean colour (linear sRGB{}): {:.4f} {:.4f} {:.4f}\n",
+                        stack.illuminant == io::usual_lamp ? "" : ", under " + stack.illuminant, f.mean[0], f.mean[1],
+                        f.mean[2]);
     if (errors)
         text +=
             fmt::format("  standard error of a value: mean {:.4f}, largest {:.4f}\n", f.mean_error, f.largest_error);

@@ -18,6 +18,7 @@
 #include "io/layers/stack_reader.h"
 #include "io/models/model_reader.h"
 #include "io/pictures/picture_series.h"
+#include "io/profiles/lamp_file.h"
 #include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/layers/layer_volume.h"
@@ -115,6 +116,12 @@ optics::ResinSet resin_set(const StackVolumeOptions& options, const std::string&
             fmt::format("{}: the resin set that the job was made with cannot be used ({}); name one with --resins",
                         options.stack, error.what()));
     }
+}
+
+optics::ResinSet under_lamp(const optics::ResinSet& set, const std::string& lamp, Progress& progress) {
+    optics::ResinSet seen = io::seen_under(set, lamp);
+    if (const auto doubt = io::lamp_doubt(set, lamp)) progress.warn(*doubt);
+    return seen;
 }
 
 void expect_all_layers(const io::StackReader& stack, const std::string& name) {
@@ -296,7 +303,11 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
         // A resin that is loaded and not used needs no data.
         colours.push_back({resin.rgb, resin.voxels > 0 ? resin.role : no_material,
                            fmt::format("resin {} (role {})", resin.name, resin.role)});
-    Assignment assignment = assign(colours, resin_set(options, set_of(stack, options, progress)), options.stack);
+    result.illuminant = options.illuminant.empty() ? input_named_in(folder_of_job(options.stack), origin.illuminant)
+                                                   : options.illuminant;
+    Assignment assignment =
+        assign(colours, under_lamp(resin_set(options, set_of(stack, options, progress)), result.illuminant, progress),
+               options.stack);
 
     std::array<int, 2> size{static_cast<int>(description.size_px[0]), static_cast<int>(description.size_px[1])};
     const std::array<int, 2> size_px = size;
@@ -429,6 +440,7 @@ BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions
         frame.resins = io::find_resin_set(set), frame.family = io::resin_family(set);
     else
         frame.resins = optics::vero_opaque(), frame.family = io::resin_family(frame.resins.name);
+    frame.resins = under_lamp(frame.resins, options.illuminant, progress);
     if (printer)
         frame.orientation = printer->orientation, frame.cartridges = printer->cartridges;
     else if (stack.orientation() && *stack.orientation() != io::Orientation{}) {
@@ -548,6 +560,7 @@ StackVolume read_foreign(const io::StackReader& stack, StackVolumeOptions option
         &progress);
     progress.end_stage();
     StackVolume result;
+    result.illuminant = options.illuminant;
     result.volume = volume.finish();
     result.spread_mm = frame.spread_mm;
     result.resins = std::move(assignment.resins);
@@ -606,8 +619,11 @@ ColourAssignment parse_assignment(const std::string& text) {
 StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progress) {
     const std::optional<PartInTray> part = find_part_in_tray(options.stack);
     const io::StackReader stack(part ? part->stack : options.stack);
-    if (stack.kind() != io::StackReader::Kind::voxtone) return read_foreign(stack, options, progress);
-    return read_own(stack, options, part ? std::optional(part->window) : std::nullopt, progress);
+    StackVolume read = stack.kind() != io::StackReader::Kind::voxtone
+                           ? read_foreign(stack, options, progress)
+                           : read_own(stack, options, part ? std::optional(part->window) : std::nullopt, progress);
+    if (read.illuminant.empty()) read.illuminant = io::usual_lamp;
+    return read;
 }
 
 std::optional<optics::ResinVolume> white_print(const StackVolume& stack) {

@@ -49,9 +49,10 @@ struct StackHead {
 };
 
 struct StackVolumeOptions {
-    std::string stack{};    ///< output folder, a tray's parts/NAME, folder of PNG layers, GCVF file
-    std::string resins{};   ///< set or file; empty: that of the job that made the stack, else the printer's
-    std::string printer{};  ///< foreign stacks: the pitch of this profile, and how its bitmaps lie
+    std::string stack{};       ///< output folder, a tray's parts/NAME, folder of PNG layers, GCVF file
+    std::string resins{};      ///< set or file; empty: that of the job that made the stack, else the printer's
+    std::string illuminant{};  ///< lamp, by name or file; empty: that of the job, else D65
+    std::string printer{};     ///< foreign stacks: the pitch of this profile, and how its bitmaps lie
     std::optional<std::array<double, 3>> pitch_mm{};  ///< foreign stacks: of columns, rows, layers
     std::vector<ColourAssignment> assign{};           ///< foreign stacks
     bool nearest = false;  ///< foreign stacks: a colour that stands for nothing is the nearest one that does
@@ -65,6 +66,7 @@ struct StackVolume {
     optics::ResinVolume volume;
     optics::ResinSet resins;  ///< material m is resins[m - 1]; the white resin is among them where the set has one
     int white = -1;           ///< index of the resin with the role W, or -1
+    std::string illuminant;   ///< lamp that it is looked at by
     std::array<double, 3>
         corner_mm{};  ///< of the volume: in the model's frame (own) or from the bitmaps' lower left (foreign)
     std::array<double, 2> spread_mm{};     ///< how far resin runs, along the model's x and y

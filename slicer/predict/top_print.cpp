@@ -48,6 +48,7 @@ TopPrint picture_of(const PredictOptions& options, const PredictedStack& predict
         top.cell_of[at] = i;
     }
     top.set = predicted.stack.resins;
+    top.illuminant = predicted.stack.illuminant;
     return top;
 }
 

@@ -28,7 +28,8 @@ struct TopPrint {
     std::vector<Eigen::Vector3f> rgb;       ///< linear sRGB, 1 is thick white resin in even light
     std::vector<Eigen::Vector3f> by_paths;  ///< by light paths, of a perfect diffuser's (resin_response.h)
     ResinResponse response;
-    optics::ResinSet set;  ///< by which it was predicted
+    optics::ResinSet set;    ///< by which it was predicted
+    std::string illuminant;  ///< under which lamp
     optics::Surface surface;
     std::vector<std::size_t> cell_of;  ///< of the surface, which is this one
 };

@@ -17,6 +17,7 @@
 #include "io/files/json_object.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
+#include "io/profiles/lamp_file.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/options/job_file.h"
 #include "slicer/part/job_identity.h"
@@ -236,6 +237,8 @@ public:
 private:
     void make_ready(std::optional<JobBody> kept, Progress& progress) {
         for (const std::string& warning : opened_.printer.warnings()) progress.warn(warning);
+        if (const auto doubt = io::lamp_doubt(opened_.options.resins, opened_.options.illuminant))
+            progress.warn(*doubt);
         ready_.emplace(opened_, std::move(kept), progress);
     }
 

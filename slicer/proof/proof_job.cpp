@@ -230,7 +230,10 @@ JobResult describe(const CameraPicture& picture, const std::vector<Shot>& shots,
     json.begin_object().add("format", "voxtone-proof").add("version", 1).add("stacks", job.requested.stacks);
     json.add("files", job.requested.files).add("size_px", std::array{picture.width_px, picture.height_px});
     json.add("camera_mm", view.position).add("look_at_mm", view.target).add("focal_mm", view.focal_mm);
-    json.add("light", light_key(job)).add("finish", name_of(job.finish)).add("surface", surfaces);
+    json.add("illuminant", scene.prints.front()->stack.illuminant)
+        .add("light", light_key(job))
+        .add("finish", name_of(job.finish))
+        .add("surface", surfaces);
     if (job.backing.kind != optics::Backing::none) json.add("backing", job.backing.words);
     json.add("samples", std::array{*least, *most}).add("paths", picture.paths);
     json.add("standard_error", picture.rms_error).add("complete", picture.complete).add("seconds", seconds);

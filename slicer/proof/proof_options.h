@@ -59,11 +59,11 @@ struct ProofOptions {
     std::string light_at = "middle";       ///< of a beam: of what is seen, or "X,Y,Z" mm in the model's frame
     std::optional<double> light_width_mm;  ///< of a slit, a spot, a laser; in (0, 1000]; nothing: 1, 2, 1
     std::string finish = "glossy";
-    std::array<double, 2> roughness{0, 0.3};  ///< alpha of GGX: of glossy and of matt faces; in [0, 0.9]
-    std::string ground = "0.5";               ///< its reflectance, or none
-    std::string backing = "none";             ///< a sheet behind each print
-    bool with_target = false;                 ///< the model beside the print: a diffuser of the same finish
-    std::string resins, printer, pitch;       ///< as PredictOptions
+    std::array<double, 2> roughness{0, 0.3};         ///< alpha of GGX: of glossy and of matt faces; in [0, 0.9]
+    std::string ground = "0.5";                      ///< its reflectance, or none
+    std::string backing = "none";                    ///< a sheet behind each print
+    bool with_target = false;                        ///< the model beside the print: a diffuser of the same finish
+    std::string resins, illuminant, printer, pitch;  ///< as PredictOptions
     std::vector<std::string> assign;
     bool nearest = false;
     double memory_gib = 0;

@@ -169,6 +169,7 @@ std::unique_ptr<ProofPrint> make_print(const ResolvedProof& job, const std::stri
     ProofPrint& print = *made;
     print.stack = read_stack_volume({.stack = stack,
                                      .resins = job.requested.resins,
+                                     .illuminant = job.requested.illuminant,
                                      .printer = job.requested.printer,
                                      .pitch_mm = job.pitch_mm,
                                      .assign = job.assign,

@@ -15,6 +15,7 @@
 //   windows, then x0 y0 x1 y1 of each
 //   perhaps: checkers, then of each material cell_x cell_y sigma_x sigma_y one other: this material is, from place to
 //   place, the two materials in cells from the origin on, blurred by a Gaussian of these standard deviations
+//   perhaps: mm of clear resin over all of it, of the same index, which takes up nothing
 // To standard output a line a window: rho(45 -> 0) = pi L / E and its standard error of each channel.
 #include <algorithm>
 #include <cmath>
@@ -136,7 +137,7 @@ struct Vector {
 };
 
 struct Slab {
-    double eta = 1.5, g = 0, base_mm = 0, top_mm = 0;
+    double eta = 1.5, g = 0, base_mm = 0, top_mm = 0, coat_mm = 0;
     bool air_below = true;
     std::size_t channels = 0;
     std::vector<std::vector<Stuff>> stuff;  ///< by material, by channel
@@ -226,6 +227,9 @@ double path_of(const Slab& slab, const Rectangle& window, std::size_t channel, d
             p = {p.x + wall * w.x, p.y + wall * w.y, w.z < 0 ? 0 : height};
             if (w.z < 0 && !slab.air_below) return scale * sum;
             if (draw() >= fresnel(slab.eta, std::abs(w.z))) return scale * sum;
+            // Through the coat, where its outer face sends it back, and down again.
+            const double coat = w.z > 0 ? 2 * slab.coat_mm / w.z : 0;
+            p.x += coat * w.x, p.y += coat * w.y;
             w.z = -w.z;
             continue;
         }
@@ -273,6 +277,8 @@ int main() {
         std::cin >> material >> cell_x >> cell_y >> sigma_x >> sigma_y >> one >> other;
         slab.checkers.push_back({material, {Wave(cell_x, sigma_x), Wave(cell_y, sigma_y), one, other}});
     }
+    double coat_mm = 0;
+    if (std::cin && std::cin >> coat_mm) slab.coat_mm = coat_mm;
     if (!read || paths < 2 || threads < 1) {
         std::cerr << "square_tracer: see the head of its source for what it reads\n";
         return 2;
