@@ -136,8 +136,8 @@ Translucency::Translucency(const optics::ShellAppearance& appearance, const Sepa
     }
 }
 
-float Translucency::kept(const Eigen::Vector3f& rgb, float alpha) const {
-    if (!(alpha < 1)) return 1;
+std::uint32_t Translucency::kept_step(const Eigen::Vector3f& rgb, float alpha) const {
+    if (!(alpha < 1)) return kept_steps - 1;
     if (!(alpha > 0)) return 0;
     const float a = alpha * (alphas - 1);
     const auto of_alpha = std::min(std::size_t(a), alphas - 2);
@@ -150,7 +150,7 @@ float Translucency::kept(const Eigen::Vector3f& rgb, float alpha) const {
         const float* node = root_kept_.data() + colour * etas + of_eta;
         sum += weight * (node[0] + past * (node[1] - node[0]));
     });
-    return std::min(sum * sum, 1.0f);
+    return std::uint32_t(std::lround(std::min(sum, 1.0f) * float(kept_steps - 1)));
 }
 
 double Translucency::shown_alpha(const Eigen::Vector3f& rgb, float k) const {

@@ -19,6 +19,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,8 +36,15 @@ public:
     /// `separation`: of `appearance`, which is what of shell and core is asked. `clear`: index of the clear resin.
     Translucency(const optics::ShellAppearance& appearance, const Separation& separation, int clear);
 
-    /// k of a colour in linear sRGB; in [0, 1], 1 for an alpha of 1.
-    [[nodiscard]] float kept(const Eigen::Vector3f& rgb, float alpha) const;
+    /// k of a colour in linear sRGB; in [0, 1], 1 for an alpha of 1. One of few values, so that voxels can be kept with
+    /// it: these steps are even in sqrt(k), and each is 0.002 of alpha or less.
+    [[nodiscard]] float kept(const Eigen::Vector3f& rgb, float alpha) const { return kept_of(kept_step(rgb, alpha)); }
+    [[nodiscard]] std::uint32_t kept_step(const Eigen::Vector3f& rgb, float alpha) const;
+    static constexpr std::uint32_t kept_steps = 1024;
+    [[nodiscard]] static float kept_of(std::uint32_t step) {
+        const float root = float(step) / float(kept_steps - 1);
+        return root * root;
+    }
     /// The alpha that its resins show where so much of them is kept; k in [0, 1].
     [[nodiscard]] double shown_alpha(const Eigen::Vector3f& rgb, float k) const;
     [[nodiscard]] int clear() const { return clear_; }

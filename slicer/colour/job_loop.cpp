@@ -215,7 +215,8 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
         return print(&skin);
     };
     task.mixture_gradient = [&](const auto& visit_all) {
-        return skin_gradient(problem.parts, map, kept.find(), cells.seen.surface.cells.size(),
+        const SkinVoxels* voxels = problem.parts.translucency() ? nullptr : kept.find();
+        return skin_gradient(problem.parts, map, voxels, cells.seen.surface.cells.size(),
                              problem.resins.set.resins.size(), visit_all, progress);
     };
     halftone::LoopOptions options;

@@ -135,7 +135,8 @@ optics::ResinVolume PrintParts::volume_of(const LayerSources& sources, std::uint
 
 std::optional<SkinVoxels> PrintParts::skin_voxels(const SkinMap& map, std::uint64_t memory_bytes,
                                                   const Progress& progress) const {
-    if (!screen_ || surface_colour_.sets_resins() || translucency_ || night_) return std::nullopt;
+    if (!screen_ || surface_colour_.sets_resins() || night_) return std::nullopt;
+    if (translucency_ && !can_keep_thinned(map)) return std::nullopt;
     const int depth = shell_.block_size()[2];
     const auto& size = body_.grid.size;
     const auto visit_slab = [&](int slab, const auto& visit) {
@@ -143,12 +144,32 @@ std::optional<SkinVoxels> PrintParts::skin_voxels(const SkinMap& map, std::uint6
                        progress);
     };
     const auto number_of = [&](const ShellBlock& block, int at) {
+        if (translucency_) return thinned_number(map, block, at);
         const std::size_t unknown = map.at(block.triangle[at], block.u[at], block.v[at], block.distance_mm[at]);
         if (unknown == SkinMap::clear)  // a coat is not looked at
             return zones_.is_over(block.distance_mm[at]) ? SkinVoxels::core : SkinVoxels::clear;
         return unknown == SkinMap::core ? SkinVoxels::core : static_cast<std::uint32_t>(unknown);
     };
     return SkinVoxels::of(body_.grid, depth, visit_slab, number_of, memory_bytes);
+}
+
+bool PrintParts::can_keep_thinned(const SkinMap& map) const {
+    return !zones_.any() && map.apart.empty() &&
+           (map.cells.size() * map.layers.size() + 1) * halftone::Translucency::kept_steps < SkinVoxels::clear;
+}
+
+std::uint32_t PrintParts::thinned_number(const SkinMap& map, const ShellBlock& block, int at) const {
+    constexpr std::uint32_t steps = halftone::Translucency::kept_steps;
+    const std::uint32_t source = body_.surface->source_triangle[block.triangle[at]];
+    const float u = block.u[at], v = block.v[at], alpha = surface_colour_.alpha_at(source, u, v);
+    const std::uint32_t step =
+        alpha < 1 ? translucency_->kept_step(surface_colour_.at(source, u, v), alpha) : steps - 1;
+    float depth_mm = block.distance_mm[at];
+    if (alpha < 1) depth_mm *= halftone::Translucency::kept_of(step);
+    const std::size_t unknown =
+        depth_mm > translucent_body().shell_mm ? SkinMap::core : map.at(block.triangle[at], u, v, depth_mm);
+    if (unknown < SkinMap::clear) return std::uint32_t(unknown) * steps + step;
+    return step == steps - 1 ? SkinVoxels::core : std::uint32_t(map.cells.size() * map.layers.size()) * steps + step;
 }
 
 optics::ResinVolume PrintParts::volume(const SkinVoxels& skin, const halftone::SkinMixtures& mixtures,
@@ -161,8 +182,13 @@ optics::ResinVolume PrintParts::volume(const SkinVoxels& skin, const halftone::S
         clear.cell(0)[static_cast<std::size_t>(zones_.clear)] = 1;
         mixture.push_back(halftone::cumulative_mixtures(clear)[0]);
     }
-    optics::ResinVolume print =
-        skin.print(body, resins_.core_material(), mixture, static_cast<int>(resins), *screen_, progress);
+    if (translucency_) {
+        halftone::SkinMixtures core(1, 1, resins);
+        core.cell(0)[static_cast<std::size_t>(resins_.core)] = 1;
+        mixture.push_back(halftone::cumulative_mixtures(core)[0]);
+    }
+    optics::ResinVolume print = skin.print(body, resins_.core_material(), mixture, static_cast<int>(resins), *screen_,
+                                           progress, translucency_ ? &*translucency_ : nullptr);
     expect_volume_fits(print.size(), double(print.memory_bytes()), memory_bytes);
     return print;
 }

@@ -72,6 +72,10 @@ private:
                                                 const Progress& progress) const;
     PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm);
     [[nodiscard]] TranslucentBody translucent_body() const;
+    /// Whether numbers of mixtures and of what is kept of them fit into one.
+    [[nodiscard]] bool can_keep_thinned(const SkinMap& map) const;
+    /// As SkinVoxels::print has it; core is the last mixture.
+    [[nodiscard]] std::uint32_t thinned_number(const SkinMap& map, const ShellBlock& block, int at) const;
 
     const JobBody& body_;
     const LoadedResins& resins_;

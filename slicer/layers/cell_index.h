@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,7 @@ public:
     /// `pitch_mm`: of the voxels. The surface has at least one cell; it is not needed afterwards.
     CellIndex(const optics::Surface& surface, const std::array<double, 3>& pitch_mm);
 
+    [[nodiscard]] std::size_t size() const { return centre_.size(); }
     /// The cell of a place, mm from the volume's corner.
     [[nodiscard]] std::uint32_t at(const Eigen::Vector3f& place_mm) const;
 

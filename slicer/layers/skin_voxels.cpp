@@ -185,8 +185,8 @@ void SkinVoxels::read(std::size_t block, std::vector<Voxel>& out) const {
 class SkinVoxels::Remake final : public optics::BlockRemake {
 public:
     Remake(const SkinVoxels& skin, std::span<const halftone::CumulativeMixture> mixture, int resins,
-           const halftone::BlueNoiseScreen& screen)
-        : skin_(skin), mixture_(mixture), resins_(resins), screen_(screen) {}
+           const halftone::BlueNoiseScreen& screen, const halftone::Translucency* thinned)
+        : skin_(skin), mixture_(mixture), resins_(resins), screen_(screen), thinned_(thinned) {}
 
     [[nodiscard]] bool touches(const std::array<int, 3>& block) const override {
         const std::size_t b = number_of(block);
@@ -199,12 +199,20 @@ public:
         const int i0 = block[0] * volume_edge, j0 = block[1] * volume_edge, k0 = block[2] * volume_edge;
         for (const auto& [place, number] : skin) {
             const std::uint16_t threshold = screen_.threshold(i0 + place % 16, j0 + place / 16 % 16, k0 + place / 256);
-            const halftone::CumulativeMixture& mixture = number == clear ? mixture_.back() : mixture_[number];
-            voxels[place] = static_cast<optics::Material>(1 + halftone::select_resin(mixture, threshold, resins_));
+            voxels[place] =
+                static_cast<optics::Material>(1 + (thinned_ ? thin(number, threshold) : select(number, threshold)));
         }
     }
 
 private:
+    [[nodiscard]] int select(std::uint32_t number, std::uint16_t threshold) const {
+        return halftone::select_resin(number == clear ? mixture_.back() : mixture_[number], threshold, resins_);
+    }
+    [[nodiscard]] int thin(std::uint32_t number, std::uint16_t threshold) const {
+        constexpr std::uint32_t steps = halftone::Translucency::kept_steps;
+        const float kept = halftone::Translucency::kept_of(number % steps);
+        return halftone::select_resin(thinned_->diluted(mixture_[number / steps], kept), threshold, resins_);
+    }
     [[nodiscard]] std::size_t number_of(const std::array<int, 3>& block) const {
         return (static_cast<std::size_t>(block[2]) * static_cast<std::size_t>(skin_.blocks_[1]) +
                 static_cast<std::size_t>(block[1])) *
@@ -215,12 +223,14 @@ private:
     std::span<const halftone::CumulativeMixture> mixture_;
     int resins_;
     const halftone::BlueNoiseScreen& screen_;
+    const halftone::Translucency* thinned_;
 };
 
 optics::ResinVolume SkinVoxels::print(const optics::ResinVolume& shape, optics::Material core_material,
                                       std::span<const halftone::CumulativeMixture> mixture, int resins,
-                                      const halftone::BlueNoiseScreen& screen, const Progress& progress) const {
-    const Remake remake(*this, mixture, resins, screen);
+                                      const halftone::BlueNoiseScreen& screen, const Progress& progress,
+                                      const halftone::Translucency* thinned) const {
+    const Remake remake(*this, mixture, resins, screen, thinned);
     return optics::remade(shape, core_material, &remake, &progress);
 }
 

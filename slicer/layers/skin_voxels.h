@@ -22,6 +22,7 @@
 #include "base/progress.h"
 #include "halftone/loop/skin.h"
 #include "halftone/screens/blue_noise_screen.h"
+#include "halftone/separation/translucency.h"
 #include "optics/media/resin_volume.h"
 #include "optics/scene/surface.h"
 #include "slicer/printer/voxel_grid.h"
@@ -46,9 +47,11 @@ public:
                                                       std::uint64_t most_bytes);
 
     /// `shape`: of the body; what is not of the skin becomes `core_material`. `mixture`: by number, of so many resins.
+    /// `thinned`: a number is that of a mixture times Translucency::kept_steps, and the step to which it is diluted.
     [[nodiscard]] optics::ResinVolume print(const optics::ResinVolume& shape, optics::Material core_material,
                                             std::span<const halftone::CumulativeMixture> mixture, int resins,
-                                            const halftone::BlueNoiseScreen& screen, const Progress& progress) const;
+                                            const halftone::BlueNoiseScreen& screen, const Progress& progress,
+                                            const halftone::Translucency* thinned = nullptr) const;
 
     /// Visits the voxels of a box with their numbers, from several threads at once.
     void for_each(const optics::VoxelBox& box,

@@ -3,7 +3,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -39,14 +42,16 @@ const Print& print() {
     return made;
 }
 
+const std::array nine_colours{Vector3f(1, 1, 1),          Vector3f(0.5f, 0.5f, 0.5f),  Vector3f(0.2f, 0.2f, 0.2f),
+                              Vector3f(0.7f, 0.1f, 0.1f), Vector3f(0.1f, 0.4f, 0.15f), Vector3f(0.1f, 0.2f, 0.6f),
+                              Vector3f(0.8f, 0.7f, 0.1f), Vector3f(0.1f, 0.5f, 0.6f),  Vector3f(0.6f, 0.35f, 0.25f)};
+
 }  // namespace
 
 TEST_CASE("A print of any colour is thinned to where it reads as the alpha that is asked for", "[slow]") {
     const optics::TranslucencyScale scale(print().set.eta);
     double worst = 0;
-    for (const Vector3f& rgb : {Vector3f(1, 1, 1), Vector3f(0.5f, 0.5f, 0.5f), Vector3f(0.2f, 0.2f, 0.2f),
-                                Vector3f(0.7f, 0.1f, 0.1f), Vector3f(0.1f, 0.4f, 0.15f), Vector3f(0.1f, 0.2f, 0.6f),
-                                Vector3f(0.8f, 0.7f, 0.1f), Vector3f(0.1f, 0.5f, 0.6f), Vector3f(0.6f, 0.35f, 0.25f)}) {
+    for (const Vector3f& rgb : nine_colours) {
         CAPTURE(rgb.transpose());
         const auto shown = [&](double k) {
             return optics::translucency_alpha(scale.eta_per_cm(print().translucency.reading(rgb, k)));
@@ -66,6 +71,34 @@ TEST_CASE("A print of any colour is thinned to where it reads as the alpha that 
     }
     CAPTURE(worst);
     CHECK(worst > 1e-6);
+}
+
+TEST_CASE("A ramp of all eight-bit alphas has no band: what is read of it leaves its own mean by little", "[slow]") {
+    const optics::TranslucencyScale scale(print().set.eta);
+    constexpr int first = 51, last = 242, around = 12;  // 0.2 to 0.95; 0.05 to either side
+    double worst = 0, largest_step = 0;
+    for (const Vector3f& rgb : nine_colours) {
+        std::vector<double> off;  // of what is asked for
+        double before = 0;
+        for (int code = first - around; code <= last + around; ++code) {
+            const float asked = float(code) / 255, k = print().translucency.kept(rgb, asked);
+            if (k == 1) break;  // as opaque as the resins are
+            const double shown = optics::translucency_alpha(scale.eta_per_cm(print().translucency.reading(rgb, k)));
+            if (!off.empty()) largest_step = std::max(largest_step, std::abs(shown - before - 1.0 / 255));
+            before = shown;
+            off.push_back(shown - double(asked));
+        }
+        REQUIRE(off.size() > 2 * around + 1);
+        for (std::size_t i = around; i + around < off.size(); ++i) {
+            double sum = 0;
+            for (std::size_t j = i - around; j <= i + around; ++j) sum += off[j];
+            worst = std::max(worst, std::abs(off[i] - sum / (2 * around + 1)));
+        }
+    }
+    std::printf("bands in ramps of A: %.4f of it off the mean of 0.1 around, steps of 1/255 off by %.4f\n", worst,
+                largest_step);
+    CHECK(worst < 0.02);
+    CHECK(largest_step < 0.01);
 }
 
 TEST_CASE("Clear at 0, and at 1 what is printed without alpha, to the bit", "[slow]") {

@@ -41,11 +41,13 @@ optics::ResinSet with_clear() {
 
 /// A grey box of 3 x 3.2 x 2.2 mm over white, in black, white and clear resin.
 struct GreyBox {
-    explicit GreyBox(double coat = 0) {
+    /// `is_jelly`: alpha from 0.1 to 1 over each face.
+    explicit GreyBox(double coat = 0, bool is_jelly = false) {
         resins.set = with_clear(), resins.core = 1, resins.entries.resize(3);
         job.colour.depth_mm = depth_mm, job.colour.coat_mm = coat;
         body = test::body_of(shapes::box({0, 0, 0}, {3, 3.2, 2.2}), pitch_mm,
                              std::vector<Vector3f>(12, Vector3f::Constant(0.2f)));
+        if (is_jelly) body.model.mesh.corner_alpha.assign(12, {0.1f, 0.6f, 1.0f});
         geometry.core_resin = geometry.white_resin = 1, geometry.shell_mm = depth_mm;
         geometry.over_mm = coat, geometry.clear_resin = coat > 0 ? 2 : -1;
         colour = std::make_unique<const JobColour>(resins.set, geometry);
@@ -266,4 +268,28 @@ TEST_CASE("A print of the skin's mixtures has each voxel of its own, core below,
         CHECK((skin > 1000 && wrong == 0));
         CHECK_THROWS_AS(box->parts->volume(*kept, black, shape, 10, Progress()), ResourceError);
     }
+}
+
+TEST_CASE("A print of kept voxels that alpha thins is that of a search for each of them", "[slow]") {
+    const GreyBox jelly(0, true);
+    REQUIRE(jelly.parts->translucency() != nullptr);
+    const auto cells = cells_of(jelly);
+    const SkinMap map = cells->map();
+    const auto kept = jelly.parts->skin_voxels(map, plenty, Progress());
+    REQUIRE(kept);
+    halftone::SkinMixtures mixtures(cells->seen.surface.cells.size(), map.layers.size(), 3);
+    for (std::size_t i = 0; i < mixtures.all().size(); ++i)
+        mixtures.all()[i] = float(1 + (7 * i + i / 3) % 5) * (i % 3 == 2 ? 0.0f : 1.0f);
+    const SkinSource skin(map, mixtures, jelly.resins.core);
+    const optics::ResinVolume shape = jelly.parts->shape(2, plenty, Progress()),
+                              searched = jelly.parts->volume(&skin, plenty, Progress()),
+                              print = jelly.parts->volume(*kept, mixtures, shape, plenty, Progress());
+    std::array<std::size_t, 4> count{};
+    int unlike = 0;
+    jelly.for_each([&](int i, int j, int k) {
+        unlike += print.at(i, j, k) != searched.at(i, j, k);
+        ++count[print.at(i, j, k)];
+    });
+    CHECK(unlike == 0);
+    for (const std::size_t material : {1, 2, 3}) CHECK(count[material] > 500);
 }
