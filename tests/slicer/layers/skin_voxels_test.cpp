@@ -170,9 +170,20 @@ TEST_CASE("Kept voxels are handed over with their numbers, each once, in a box t
             });
     const std::optional<SkinVoxels> kept = ball.kept(plenty);
     REQUIRE(kept);
-    for (const optics::VoxelBox& box :
-         {optics::VoxelBox{{-5, -5, -5}, {1000, 1000, 1000}}, optics::VoxelBox{{3, 7, 17}, {33, 17, 40}},
-          optics::VoxelBox{{0, 0, 0}, {1, 1, 1}}, optics::VoxelBox{{900, 0, 0}, {910, 10, 10}}}) {
+    std::vector<optics::VoxelBox> boxes{{{-5, -5, -5}, {1000, 1000, 1000}},
+                                        {{3, 7, 17}, {33, 17, 40}},
+                                        {{0, 0, 0}, {1, 1, 1}},
+                                        {{900, 0, 0}, {910, 10, 10}}};
+    // Some that begin and end in other blocks along each axis.
+    for (std::uint64_t n = 0; n < 24; ++n) {
+        RandomStream random(7, n);
+        optics::VoxelBox& box = boxes.emplace_back();
+        for (std::size_t a = 0; a < 3; ++a) {
+            box.begin[a] = static_cast<int>(random.uniform() * ball.grid.size[a]);
+            box.end[a] = box.begin[a] + 1 + static_cast<int>(random.uniform() * (ball.grid.size[a] + 20));
+        }
+    }
+    for (const optics::VoxelBox& box : boxes) {
         std::map<std::array<int, 3>, std::uint32_t> inside, found;
         for (const auto& [voxel, number] : expected)
             if (box.holds(voxel)) inside.emplace(voxel, number);

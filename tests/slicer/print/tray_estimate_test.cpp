@@ -130,6 +130,9 @@ TEST_CASE("An estimate's sums are of its phases and of its parts, and the loop's
         CHECK(of->seconds == Approx(seconds));
         CHECK(of->memory_bytes == memory);
         CHECK((of->loop && of->prediction && of->threads >= 1));
+        REQUIRE(of->phases.size() > 4);
+        CHECK((of->phases[0].phase == Phase::read && of->phases[0].measured && of->phases[0].seconds > 0));
+        CHECK_FALSE(of->phases[1].measured);
         CHECK((of->loop_s > 0 && of->loop_s < of->seconds));
         CHECK(of->free_disk_bytes);
     }
@@ -154,6 +157,31 @@ TEST_CASE("An estimate's sums are of its phases and of its parts, and the loop's
     CHECK(seconds_of(copies, Phase::layers) == Approx(2 * seconds_of(one, Phase::layers)));
     CHECK(copies.disk_bytes > one.disk_bytes);
     CHECK(two.disk_bytes == Approx(2.0 * double(one.disk_bytes)));
+}
+
+TEST_CASE("Of a looped print the resins are those of its skin, and core below it") {
+    const TrayDesk desk;
+    desk.write("box.obj", soft_box({0, 0, 0}, {8, 7, 6}));
+    SliceOptions options = desk.options("box.obj");
+    options.core = "K";
+    const auto ml_of = [](const JobEstimate& of, const char* role) {
+        const auto found = std::ranges::find(of.resins, role, &ResinEstimate::role);
+        return found == of.resins.end() ? 0 : found->ml;
+    };
+    Progress progress;
+    const JobEstimate open = estimate_job(options, progress);
+    options.iterations = "1";
+    const JobEstimate looped = estimate_job(options, progress);
+    // Below a millimetre all round lies black alone.
+    constexpr double core_ml = 6 * 5 * 4 * 1e-3, all_ml = 8 * 7 * 6 * 1e-3;
+    for (const JobEstimate* of : {&open, &looped}) {
+        CHECK(of->body_ml == Approx(all_ml).epsilon(0.02));
+        CHECK(ml_of(*of, "K") > 0.97 * core_ml);
+        CHECK(ml_of(*of, "K") < core_ml + 0.5 * (all_ml - core_ml));
+        // Of light colours white is most of the shell.
+        CHECK(ml_of(*of, "W") > 0.4 * (all_ml - core_ml));
+        CHECK((ml_of(*of, "M") > 0 && ml_of(*of, "Y") > 0));
+    }
 }
 
 TEST_CASE("What is thinner than a voxel counts where it is kept, and only there") {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/solid/cavities.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "slicer/mesh/mesh_chain.h"
@@ -118,6 +120,31 @@ TEST_CASE("Shells that pinholes bridge are filled, and the outer surface keeps i
     const auto made = std::ranges::count(mesh.solid->source_triangle, -1);
     CHECK(made > 20);
     CHECK(made < 400);
+}
+
+TEST_CASE("In whatever order its triangles come, the same void is filled", "[cavities]") {
+    const SolidMesh bridged = with_pinholes(3, 0.12, 60, 397);
+    RepairedMesh as_it_is = repaired(bridged);
+    REQUIRE(treat_cavities(as_it_is, {}).size() == 1);
+    // A wall of a pinhole, which sees nothing by itself, comes first.
+    const auto outer = std::uint32_t(bridged.positions_mm.size() / 2);
+    const auto wall = std::ranges::find_if(bridged.triangles, [&](const auto& t) {
+        return std::ranges::any_of(t, [&](std::uint32_t c) { return c < outer; }) &&
+               std::ranges::any_of(t, [&](std::uint32_t c) { return c >= outer; });
+    });
+    REQUIRE(wall != bridged.triangles.end());
+    for (const std::ptrdiff_t more : {0, 1}) {
+        CAPTURE(more);
+        SolidMesh turned = bridged;
+        std::ranges::rotate(turned.triangles, turned.triangles.begin() + (wall - bridged.triangles.begin()) + more);
+        RepairedMesh mesh = repaired(turned);
+        const std::vector<Cavity> found = treat_cavities(mesh, {});
+        REQUIRE(found.size() == 1);
+        CHECK(found[0].filled);
+        CHECK(open_edges(mesh.solid->triangles) == 0);
+        CHECK(mesh.solid->triangles.size() == as_it_is.solid->triangles.size());
+        CHECK(shapes::volume(*mesh.solid) == Approx(shapes::volume(*as_it_is.solid)).epsilon(1e-9));
+    }
 }
 
 TEST_CASE("What lies within a filled void goes with it, bodies inside a body stay a union", "[cavities]") {
