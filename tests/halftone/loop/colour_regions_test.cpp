@@ -177,6 +177,32 @@ TEST_CASE("The measure forgives darker paper, and no solid that is worse than wi
     CHECK(alone.score > 1.5 * alone.seen.mean);
 }
 
+TEST_CASE("A print that is as the open loop was, or a little worse in a region, is scored as without regions",
+          "[loop]") {
+    constexpr int small = 60;
+    const optics::Surface surface = test::flat_surface(small, small, cell_mm);
+    const auto square = [](int x, int y) { return x >= 12 && x < 44 && y >= 12 && y < 44; };
+    const auto print = [&](float of_square) {
+        Colours rgb;
+        for (int y = 0; y < small; ++y)
+            for (int x = 0; x < small; ++x) rgb.push_back(square(x, y) ? Eigen::Vector3f(of_square * red) : white);
+        return rgb;
+    };
+    const Colours target = print(1);
+    const std::vector<char> in(target.size(), 1);
+    const LoopMeasure measure(surface, target, target, in, 300);
+    REQUIRE(measure.regions().size() == 2);
+    const auto open = measure(print(0.9f), {});
+    CHECK((open.score > 0 && open.seen.mean > 0 && open.cells.mean > 0));
+    // No better than without a loop, and no worse.
+    CHECK(measure(print(0.9f), open.looks).score == open.score);
+    CHECK(measure(print(0.95f), open.looks).score == measure(print(0.95f), {}).score);
+    // Much worse: by the region's own error besides, and the more the worse.
+    const double bad = measure(print(0.6f), open.looks).score, bad_alone = measure(print(0.6f), {}).score;
+    CHECK(bad > 1.2 * bad_alone);
+    CHECK(measure(print(0.5f), open.looks).score - measure(print(0.5f), {}).score > bad - bad_alone);
+}
+
 TEST_CASE("A rim of another hue is told, a darker one is not", "[loop]") {
     const optics::Surface surface = test::flat_surface(n, n, cell_mm);
     const Colours target = card();

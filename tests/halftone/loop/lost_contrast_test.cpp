@@ -52,6 +52,27 @@ TEST_CASE("What of the target's contrast is not there is lost, levels and noise 
                         })) < 0.004f);
 }
 
+TEST_CASE("Of fine contrast it is told how much was wanted and which share is there, all of it where none was",
+          "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, 0.085);
+    const EyeFilter wide(surface, 300 * wider, EyeSurround::none);
+    const auto in_the_middle = [&](const Colours& target, const Colours& print) {
+        return fine_contrast(target, print, wide)[n * (n / 2) + n / 2];
+    };
+    const auto striped = [](double times) { return greys([=](int x, int) { return 0.6 + times * stripe(x); }); };
+    const Colours target = striped(1), flat = greys([](int, int) { return 0.6; });
+    CHECK(in_the_middle(target, flat).wanted == Approx(0.1).epsilon(0.02));
+    for (const double share : {0.0, 0.5, 1.0, 2.0, -1.0}) {
+        CAPTURE(share);
+        CHECK(in_the_middle(target, striped(share)).kept == Approx(share).margin(0.01));
+    }
+    for (const Colours& print : {flat, target}) {
+        const FineContrast none = in_the_middle(flat, print);
+        CHECK(none.wanted < 1e-3f);
+        CHECK(none.kept == 1);
+    }
+}
+
 TEST_CASE("Levels give way where contrast is lost, up to the most that is allowed and some millimetres around",
           "[loop]") {
     const std::vector<float> part = contrast_parts({0, 0.01f, 0.03f, 0.1f, 1}, 0.6f);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/random.h"
 #include "flat_surface.h"
@@ -33,6 +34,33 @@ std::vector<float> here_and_there() {
 }
 
 }  // namespace
+
+TEST_CASE("The misfit counts every cell alike: the first, the last and those between", "[loop]") {
+    constexpr int small = 24;
+    const optics::Surface surface = test::flat_surface(small, small, 0.085);
+    const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
+    const std::vector<Eigen::Vector3f> target(small * small, Eigen::Vector3f(0.4f, 0.5f, 0.3f));
+    const std::vector<float> weight(small * small, 1.0f), k(small * small, contrast_part);
+    const MisfitFunction plain(surface, eye, target, weight, nullptr, {}),
+        levelled(surface, eye, target, weight, &wide, k);
+    for (const MisfitFunction* misfit : {&plain, &levelled}) {
+        const auto off = [&](int x, int y) {
+            auto shown = target;
+            shown[std::size_t(y * small + x)] = {0.8f, 0.2f, 0.3f};
+            const Misfit here = (*misfit)(shown);
+            const float own = here.by_colour[std::size_t(y * small + x)].norm();
+            CHECK(own > 0);
+            for (const Eigen::Vector3f& by : here.by_colour) CHECK(by.norm() <= 1.001f * own);
+            return here.value;
+        };
+        const double corner = off(0, 0), side = off(small / 2, 0);
+        CHECK(corner > 0);
+        for (const auto& [x, y] : {std::pair{small - 1, 0}, {0, small - 1}, {small - 1, small - 1}})
+            CHECK(off(x, y) == Approx(corner).epsilon(1e-3));
+        for (const auto& [x, y] : {std::pair{small / 2, small - 1}, {0, small / 2}, {small - 1, small / 2}})
+            CHECK(off(x, y) == Approx(side).epsilon(0.02));
+    }
+}
 
 TEST_CASE("The misfit is 0 at the target, and its derivative is that of differences", "[loop][slow]") {
     const optics::Surface surface = test::flat_surface(n, n, 0.085);
