@@ -134,28 +134,28 @@ ReportSection channels_of(const ChartFit& fit) {
     return section;
 }
 
-}  // namespace
-
-std::string laminate_fit_html(const ChartFit& fit) {
-    io::Report report;
-    report.program_version = io::program_version();
-    report.title = fmt::format("Fit of {}", fit.set.name);
-    report.warnings = fit.warnings;
-    report.total_seconds = fit.seconds;
+ReportSection unseen_laminates(const ChartFit& fit) {
     ReportSection section = figures_section(figures_of(fit), "Laminates that took no part");
     section.paragraphs.push_back(fmt::format("{}. Laminates are named by their layers from the top, mm. {}.",
                                              fit.set.source, instrument_sentence(fit.set)));
     section.drawings.push_back({"", albedo_plot(fit.set)});
-    report.sections.push_back(section);
-    return io::report_html(report);
+    return section;
 }
 
+}  // namespace
+
 std::string chart_fit_html(const ChartFit& fit, const PatchTable& table, const PatchCheck& check, const PatchMap& map) {
-    io::Report report = patch_report(table, check, fit.set, map, 0);
+    io::Report report;
+    if (fit.of_laminates) {
+        report.program_version = io::program_version();
+        report.sections = {unseen_laminates(fit)};
+    } else {
+        report = patch_report(table, check, fit.set, map, 0);
+        report.sections.insert(report.sections.begin(), {unseen_mixtures(fit), channels_of(fit)});
+    }
     report.title = fmt::format("Fit of {}", fit.set.name);
     report.warnings = fit.warnings;
     report.total_seconds = fit.seconds;
-    report.sections.insert(report.sections.begin(), {unseen_mixtures(fit), channels_of(fit)});
     return io::report_html(report);
 }
 

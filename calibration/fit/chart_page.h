@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The page of a chart's fit: what it is worth on mixtures that it has not seen, how many channels it took and why,
-// where it must not be trusted, what the channels are; below, the patches measured beside predicted (patch_page.h).
+// where it must not be trusted, what the channels are; below, the patches measured beside predicted (patch_page.h). Of
+// laminates figures and resins alone.
 #pragma once
 
 #include <string>
@@ -15,8 +16,5 @@ namespace voxtone::calibration {
 /// `check`: of the fit's set with `table`, the patches that are shown.
 [[nodiscard]] std::string chart_fit_html(const ChartFit& fit, const PatchTable& table, const PatchCheck& check,
                                          const PatchMap& map);
-
-/// The page of laminates: figures and resins.
-[[nodiscard]] std::string laminate_fit_html(const ChartFit& fit);
 
 }  // namespace voxtone::calibration

@@ -142,10 +142,8 @@ JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTab
     const PatchTable& shown = job.check.empty() ? table : others;
     const PatchCheck check = check_resins(found.set, shown, fit.model);
     if (!job.check.empty()) text += fmt::format("\n{}\n{}", job.check, check_text(check, others));
-    std::string page;
-    if (!job.report.empty())
-        page = found.of_laminates ? laminate_fit_html(found)
-                                  : chart_fit_html(found, shown, check, chart_of_patches(shown));
+    const std::string page =
+        job.report.empty() ? std::string() : chart_fit_html(found, shown, check, chart_of_patches(shown));
     write_fit(job, found.set, chart_fit_json(found), page);
     text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
     return {chart_fit_json(found), text};
