@@ -170,6 +170,13 @@ void ColourPrint::take_layer(int k, const io::LayerRuns& layer) {
     if (volume_) volume_->add(k, layer);
 }
 
+bool ColourPrint::sees_as_the_loop() const {
+    // White all over is as white as itself, to the last bit.
+    return !plan_.all_white && prediction_plan_.model == PredictionModel::transport &&
+           job_.options.loop.model == PredictionModel::transport && !job_.options.picture.is_lit_from_behind() &&
+           !loop_->result.state.white.empty() && colour_->appearance.geometry().white() == job_.resins.set.find("W");
+}
+
 JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progress) const {
     volume = parts_.without_coat(std::move(volume), job_.options.prediction.memory_bytes / 2, progress);
     if (prediction_plan_.by == PredictionPlan::By::loop) return prediction_of_loop(*loop_, std::move(volume));
@@ -179,9 +186,11 @@ JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progres
         white = parts_.shape(static_cast<optics::Material>(white_resin + 1), job_.options.prediction.memory_bytes / 2,
                              progress);
     }
-    JobPrediction prediction =
-        predict_print(job_.options, prediction_plan_.model, body_, job_.resins, std::move(volume),
-                      loop_ && !loop_->reread ? &loop_->cells->seen : nullptr, white ? &*white : nullptr, progress);
+    const bool looped = loop_ && !loop_->reread;
+    const WhiteTwin twin{white ? &*white : nullptr,
+                         looped && sees_as_the_loop() ? &loop_->result.state.white : nullptr};
+    JobPrediction prediction = predict_print(job_.options, prediction_plan_.model, body_, job_.resins,
+                                             std::move(volume), looped ? &loop_->cells->seen : nullptr, twin, progress);
     if (loop_) prediction.open_loop = loop_->result.state.open;
     return prediction;
 }

@@ -61,6 +61,8 @@ private:
     /// False where nothing is there that this job may take.
     bool take_saved_loop(Progress& progress);
     void print_loop();
+    /// Its white is what the job's model would see of it too.
+    [[nodiscard]] bool sees_as_the_loop() const;
     [[nodiscard]] JobPrediction predict(optics::ResinVolume volume, Progress& progress) const;
 
     const OpenedJob& job_;

@@ -115,7 +115,7 @@ JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume
 
 JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const JobBody& body,
                             const LoadedResins& resins, optics::ResinVolume volume, const ViewedCells* known,
-                            const optics::ResinVolume* white_print, Progress& progress) {
+                            const WhiteTwin& white, Progress& progress) {
     const Stopwatch watch;
     JobPrediction prediction;
     prediction.model = name_of(model);
@@ -142,16 +142,17 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     quality.seed = job.seed;
     quality.from_behind = job.picture.is_lit_from_behind();
     const auto seer = make_model(model, quality);
-    const int white = resins.set.find(job.picture.is_lit_from_behind() ? "T" : "W");
-    const auto predicted_on = [&](optics::Surface surface) {
-        return predict_surface(scene, std::move(surface), *seer, white >= 0 ? white : resins.core, progress,
-                               white_print);
+    const int white_resin = resins.set.find(job.picture.is_lit_from_behind() ? "T" : "W");
+    const auto predicted_on = [&](optics::Surface surface, const WhiteTwin& twin) {
+        return predict_surface(scene, std::move(surface), *seer, white_resin >= 0 ? white_resin : resins.core, progress,
+                               twin);
     };
     if (coarse) {
         optics::Surface eye = optics::find_surface(scene, coarse->eye, seen_part(body), &progress);
-        prediction.predicted = averaged(predicted_on(std::move(eye)), std::move(cells.surface), seen_part(body));
+        prediction.predicted =
+            averaged(predicted_on(std::move(eye), {white.print}), std::move(cells.surface), seen_part(body));
     } else {
-        prediction.predicted = predicted_on(std::move(cells.surface));
+        prediction.predicted = predicted_on(std::move(cells.surface), white);
     }
     prediction.difference = colour_differences(prediction.target, prediction.predicted.rgb);
     prediction.summary = summarize_by_area(prediction.predicted.surface, prediction.difference);

@@ -86,11 +86,10 @@ struct JobPrediction {
 /// what the loop saw by channel is not kept.
 [[nodiscard]] JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume);
 
-/// `known`: the cells of this print; null: they are found here. `white_print`: white where clear resin lies over the
-/// colours; null: all of the white resin. Throws what the model throws.
+/// `known`: the cells of this print; null: they are found here. `white`: what it is where clear resin lies over the
+/// colours, and as it is seen in those cells. Throws what the model throws.
 [[nodiscard]] JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const JobBody& body,
                                           const LoadedResins& resins, optics::ResinVolume volume,
-                                          const ViewedCells* known, const optics::ResinVolume* white_print,
-                                          Progress& progress);
+                                          const ViewedCells* known, const WhiteTwin& white, Progress& progress);
 
 }  // namespace voxtone::slicer

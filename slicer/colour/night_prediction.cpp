@@ -44,7 +44,7 @@ NightPrediction predict_night(const ResolvedJob& job, PredictionModel model, con
     ViewedCells cells = find_viewed_cells(scene, body, job.prediction.cell_mm, progress);
     cells.target = target_of_cells(cells.surface, scene.volume->pitch_mm(), body.grid.origin_mm, body.surface,
                                    night.slab(), &progress);
-    JobPrediction seen = predict_print(dark, model, body, resins, std::move(print.volume), &cells, nullptr, progress);
+    JobPrediction seen = predict_print(dark, model, body, resins, std::move(print.volume), &cells, {}, progress);
     NightPrediction out;
     out.level = level_of(seen.target, seen.predicted.rgb);
     out.beyond = night.beyond();

@@ -41,20 +41,19 @@ void make_relative(SurfacePrediction& prediction, const optics::Appearance& whit
 
 SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface,
                                   const optics::AppearanceModel& model, int white_resin, Progress& progress,
-                                  const optics::ResinVolume* white_print) {
+                                  const WhiteTwin& white) {
     SurfacePrediction prediction;
     prediction.surface = std::move(surface);
     optics::TwinAppearances seen;
-    if (white_resin >= 0) {
-        optics::ResinVolume all_white;
-        if (!white_print) {
-            all_white = optics::all_of(*scene.volume, static_cast<optics::Material>(white_resin + 1));
-            white_print = &all_white;
-        }
-        seen = model.predict_with_twin(scene, prediction.surface, *white_print, &progress);
-    } else {
+    if (white_resin < 0 || white.seen) {
         seen.body = model.predict(scene, prediction.surface, &progress);
+        if (white.seen) seen.twin.value = *white.seen;
+    } else {
+        optics::ResinVolume all_white;
+        if (!white.print) all_white = optics::all_of(*scene.volume, static_cast<optics::Material>(white_resin + 1));
+        seen = model.predict_with_twin(scene, prediction.surface, white.print ? *white.print : all_white, &progress);
     }
+    VOXTONE_EXPECT(!white.seen || seen.body.standard_error.empty());
     prediction.channels = seen.body.channels;
     prediction.value = std::move(seen.body.value);
     prediction.standard_error = std::move(seen.body.standard_error);

@@ -35,10 +35,16 @@ struct SurfacePrediction {
     std::vector<std::string> remarks;   ///< of the model (Appearance::remarks), of the body and of its white twin
 };
 
-/// `white_resin`: index of the white resin for media-relative values; -1: absolute values. `white_print`: what white is
-/// there, in the place of a body all of that resin. Remarks are warned of too.
+/// The white that values are relative to.
+struct WhiteTwin {
+    const optics::ResinVolume* print = nullptr;  ///< what white is there; null: a body all of the white resin
+    /// Its appearance in the surface's cells, of a model that draws no random numbers; null: `model` is asked.
+    const std::vector<float>* seen = nullptr;
+};
+
+/// `white_resin`: index of the white resin for media-relative values; -1: absolute values. Remarks are warned of too.
 [[nodiscard]] SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface,
                                                 const optics::AppearanceModel& model, int white_resin,
-                                                Progress& progress, const optics::ResinVolume* white_print = nullptr);
+                                                Progress& progress, const WhiteTwin& white = {});
 
 }  // namespace voxtone::slicer

@@ -21,6 +21,7 @@ constexpr double separation_s = 0.3;
 constexpr double recipes_s = 0.5, preparation_s_per_cell = 1.1e-5;
 constexpr double layers_s = 0.4, layers_s_per_voxel = 6e-10, layers_s_per_shell_voxel = 8e-8;
 constexpr double predicted_cpu = 1.07;  // of prediction_seconds
+constexpr double without_white = 0.6;   // of that, where a loop has seen the body in white
 constexpr double report_s = 0.25, seen_s_per_cell = 1.15e-5, drawn_s_per_cell = 2e-6;
 constexpr double serial = 0.05;
 
@@ -109,8 +110,12 @@ std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& 
                layers_s + layers_s_per_voxel * amounts.voxels + layers_s_per_shell_voxel * amounts.shell_voxels,
                looping + topmost_bytes_per_column * double(body.grid.size[0]) * double(body.grid.size[1]));
     const bool predicts = work.prediction.by == PredictionPlan::By::model;
+    const bool knows_white = loop.wanted && work.prediction.model == PredictionModel::transport &&
+                             options.loop.model == PredictionModel::transport;
     if (predicts)
-        phases.add(Phase::predict, predicted_cpu * prediction_cost(job, body, work.prediction.model, amounts.area_mm2),
+        phases.add(Phase::predict,
+                   (knows_white ? without_white : 1) * predicted_cpu *
+                       prediction_cost(job, body, work.prediction.model, amounts.area_mm2),
                    working + prediction_bytes(amounts.cells) +
                        (loop.wanted ? kept_bytes + kept_bytes_per_cell * amounts.cells : 0));
     const double drawn_s = predicts || loop.wanted ? seen_s_per_cell : drawn_s_per_cell;

@@ -293,7 +293,7 @@ PredictedStack predict_stack(const ResolvedPrediction& job, PredictFigures& figu
                                                    options.absolute      ? -1
                                                    : figures.from_behind ? stack.clear
                                                                          : stack.white,
-                                                   progress, white && !figures.from_behind ? &*white : nullptr);
+                                                   progress, {white && !figures.from_behind ? &*white : nullptr});
     if (quick) prediction = averaged(prediction, std::move(*cells.averaged_over), seen_part(figures));
     progress.end_stage();
     figures.predict_s = watch.lap();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -108,6 +109,25 @@ TEST_CASE("Colours are relative to white as colours, whatever the channels") {
     const Eigen::Vector3d body = M * Eigen::Vector4d(0.1, 0.2, 0.3, 0.4), paper = M * Eigen::Vector4d(0.8, 0.9, 0.7, 1);
     CHECK((prediction.rgb[0].cast<double>() - body.cwiseQuotient(paper)).norm() < 1e-6);
     CHECK(prediction.value[2] == Approx(0.3 / 0.7));
+    // White that was seen before is not asked for again.
+    class BodyAlone final : public optics::AppearanceModel {
+        optics::Appearance predict(const optics::Scene& of, const optics::Surface& surface,
+                                   const Progress* progress) const override {
+            return FourChannels().predict(of, surface, progress);
+        }
+        optics::TwinAppearances predict_with_twin(const optics::Scene&, const optics::Surface&,
+                                                  const optics::ResinVolume&, const Progress*) const override {
+            throw std::logic_error("white was asked for");
+        }
+    };
+    std::vector<float> white;
+    for (std::size_t i = 0; i < prediction.rgb.size(); ++i) white.insert(white.end(), {0.8f, 0.9f, 0.5f, 1.0f});
+    const SurfacePrediction known =
+        predict_surface(scene, optics::find_surface(scene, {1, 1, 1}, optics::SurfacePart::all), BodyAlone(),
+                        set.find("W"), quiet, {nullptr, &white});
+    CHECK(known.value[2] == Approx(0.3 / 0.5));
+    const Eigen::Vector3d other = M * Eigen::Vector4d(0.8, 0.9, 0.5, 1);
+    CHECK((known.rgb[0].cast<double>() - body.cwiseQuotient(other)).norm() < 1e-6);
 }
 
 TEST_CASE("What a model remarks of the body and of its white twin is kept and warned of") {
