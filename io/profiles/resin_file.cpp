@@ -65,11 +65,11 @@ optics::ResinSet resins_from_json(const JsonObject& json, const std::string& sou
     if (json.has("currency") && set.currency.empty())
         json.fail("currency", "is empty; name one, such as \"EUR\", or leave it out");
     for (const auto& entry : json.objects("resins")) {
-        entry.allow_only({"name", "role", "sigma_t_per_mm", "albedo", "density_g_per_ml", "price_per_kg"});
-        set.resins.push_back({entry.text("name"), entry.text("role"),
-                              entry.numbers("sigma_t_per_mm", set.channels.size(), 0, 1e9),
-                              entry.numbers("albedo", set.channels.size(), 0, 1),
-                              number_if(entry, "density_g_per_ml", 0.1, 25), number_if(entry, "price_per_kg", 0, 1e9)});
+        entry.allow_only({"name", "role", "sigma_t_per_mm", "albedo", "density_g_per_ml", "price_per_kg", "eta", "g"});
+        set.resins.push_back(
+            {entry.text("name"), entry.text("role"), entry.numbers("sigma_t_per_mm", set.channels.size(), 0, 1e9),
+             entry.numbers("albedo", set.channels.size(), 0, 1), number_if(entry, "density_g_per_ml", 0.1, 25),
+             number_if(entry, "price_per_kg", 0, 1e9), number_if(entry, "eta", 1, 10), number_if(entry, "g", -1, 1)});
         if (set.resins.back().price_per_kg && set.currency.empty())
             entry.fail("price_per_kg", "has no currency: give the set a \"currency\", such as \"EUR\"");
         if (set.resins.back().price_per_kg && !set.resins.back().density_g_per_ml)
@@ -77,6 +77,7 @@ optics::ResinSet resins_from_json(const JsonObject& json, const std::string& sou
                        "is by weight and the resin's weight is not known: give \"density_g_per_ml\" too");
     }
     read_correction(json, set);
+    if (std::abs(set.g) < 1) set.relate();
     try {
         set.validate();
     } catch (const InputError& error) {
@@ -110,6 +111,8 @@ std::string resin_set_text(const optics::ResinSet& set) {
         json.add("sigma_t_per_mm", resin.sigma_t_per_mm).add("albedo", resin.albedo);
         if (resin.density_g_per_ml) json.add("density_g_per_ml", *resin.density_g_per_ml);
         if (resin.price_per_kg) json.add("price_per_kg", *resin.price_per_kg);
+        if (resin.eta) json.add("eta", *resin.eta);
+        if (resin.g) json.add("g", *resin.g);
         json.end_object();
     }
     json.end_list();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optics/camera/lit_scene.h"
 
+#include <cmath>
 #include <limits>
 
 #include <Eigen/LU>
@@ -80,6 +81,18 @@ LitScene::LitScene(const CameraScene& scene) : scene_(scene), camera_(scene.view
     }
 }
 
+double LitScene::eta_at(std::size_t print, const Point& at, const BoundaryNormals& normals) const {
+    const Scene& scene = *scene_.prints[print].scene;
+    const PacketScene& packets = packets_[print * channels()];
+    if (!packets.own_eta) return scene.resins->eta;
+    std::array<int, 3> voxel{};
+    for (std::size_t a = 0; a < 3; ++a)
+        voxel[a] = static_cast<int>(
+                       std::floor((at[a] - inside_boundary_mm * normals.geometric[a]) / scene.volume->pitch_mm()[a])) +
+                   volumes_[print].offset();
+    return static_cast<double>(packets.eta_of[volumes_[print].material(voxel)]);
+}
+
 MetInAir LitScene::met(const Point& from, const Point& way) const {
     MetInAir first;
     first.distance = std::numeric_limits<double>::infinity();
@@ -88,7 +101,10 @@ MetInAir LitScene::met(const Point& from, const Point& way) const {
     for (std::size_t i = 0; i < scene_.prints.size(); ++i)
         if (scene_.prints[i].boundary->meets(less(from, scene_.prints[i].corner_mm), way, distance, normals) &&
             distance < first.distance)
-            first = {MetInAir::What::print, i, distance, normals, {}, {}};
+            first = {MetInAir::What::print, i, distance, normals};
+    if (first.what == MetInAir::What::print)
+        first.eta = eta_at(first.print, along(less(from, scene_.prints[first.print].corner_mm), way, first.distance),
+                           first.normals);
     Light reflectance{};
     for (const DiffuseBody* body : scene_.diffusers)
         if (body->meets(from, way, distance, normals, reflectance) && distance < first.distance)
@@ -96,6 +112,7 @@ MetInAir LitScene::met(const Point& from, const Point& way) const {
                      0,
                      distance,
                      normals,
+                     1,
                      reflectance,
                      body->coat(along(from, way, distance), normals.geometric)};
     if (scene_.ground && dot(way, scene_.ground->up) < 0) {
@@ -103,7 +120,7 @@ MetInAir LitScene::met(const Point& from, const Point& way) const {
         distance = (scene_.ground->height_mm - dot(from, up)) / dot(way, up);
         constexpr double off_the_start = 1e-4;
         if (distance > off_the_start && distance < first.distance)
-            first = {MetInAir::What::ground, 0, distance, {up, up}, scene_.ground->reflectance, {}};
+            first = {MetInAir::What::ground, 0, distance, {up, up}, 1, scene_.ground->reflectance, {}};
     }
     return first;
 }

@@ -19,6 +19,7 @@ struct MetInAir {
     std::size_t print = 0;  ///< which
     double distance = 0;
     BoundaryNormals normals;
+    double eta = 1;       ///< of a print
     Light reflectance{};  ///< of diffusers
     Coat coat{};          ///< over them
 };
@@ -65,6 +66,8 @@ public:
     }
 
 private:
+    /// Of a print where it is met, its own coordinates: of the resin there.
+    [[nodiscard]] double eta_at(std::size_t print, const Point& at, const BoundaryNormals& normals) const;
     [[nodiscard]] Point in_sky(const Point& way) const {
         const auto& axes = scene_.sky_axes;
         return {dot(way, axes[0]), dot(way, axes[1]), dot(way, axes[2])};

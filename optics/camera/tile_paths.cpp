@@ -160,7 +160,7 @@ void TilePaths::first_surface(const AirRay& ray, const MetInAir& met) {
     const Point at = along(ray.from, ray.way, met.distance);
     const double roughness = roughness_at(print, at, met);
     if (roughness > 0) return first_rough(ray, met, at, roughness, random);
-    const MetFromOutside parts = meet_from_outside(met.normals, print.scene->resins->eta, ray.way);
+    const MetFromOutside parts = meet_from_outside(met.normals, met.eta, ray.way);
     enter(ray, met, at, parts.refracted, 1 - parts.reflectance, random);
     mirror(ray, at, parts.reflected, parts.reflectance, 0);
 }
@@ -168,12 +168,11 @@ void TilePaths::first_surface(const AirRay& ray, const MetInAir& met) {
 /// Many facets: those that mirror are all followed, of those that let in one.
 void TilePaths::first_rough(const AirRay& ray, const MetInAir& met, const Point& at, double roughness,
                             PathRandom& random) {
-    const double eta = scene_.print(met.print).scene->resins->eta;
     Point kept{};
     int through = 0;
     for (int k = 0; k < facets_at_first; ++k) {
         Point way = ray.way;
-        if (!cross_boundary(met.normals, eta, roughness, false, way, random))
+        if (!cross_boundary(met.normals, met.eta, roughness, false, way, random))
             mirror(ray, at, way, 1.0 / facets_at_first, k);
         else if (random.uniform() * ++through < 1)
             kept = way;
@@ -294,14 +293,13 @@ bool TilePaths::coated(AirRay& ray, const MetInAir& met, const Point& at, PathRa
 
 /// At a print that is not the first surface chance decides; false where the path went in.
 bool TilePaths::mirrored_again(AirRay& ray, const MetInAir& met, const Point& at, PathRandom& random) {
-    const ResinBody& print = scene_.print(met.print);
-    const double eta = print.scene->resins->eta, roughness = roughness_at(print, at, met);
+    const double roughness = roughness_at(scene_.print(met.print), at, met);
     Point way = ray.way;
     bool through = false;
     if (roughness > 0) {
-        through = cross_boundary(met.normals, eta, roughness, false, way, random);
+        through = cross_boundary(met.normals, met.eta, roughness, false, way, random);
     } else {
-        const MetFromOutside parts = meet_from_outside(met.normals, eta, ray.way);
+        const MetFromOutside parts = meet_from_outside(met.normals, met.eta, ray.way);
         through = random.uniform() >= parts.reflectance;
         way = through ? parts.refracted : parts.reflected;
     }

@@ -58,6 +58,17 @@ void validate_resin(const ResinSet& set, const Resin& resin) {
     };
     check_count("sigma_t_per_mm", resin.sigma_t_per_mm.size());
     check_count("albedo", resin.albedo.size());
+    if (resin.eta && !(*resin.eta >= 1 && std::isfinite(*resin.eta)))
+        throw InputError(
+            fmt::format("Resin {} of set \"{}\": eta is {}; the refractive index must be at least 1 (resins have about "
+                        "1.5), or leave it out to take the set's.",
+                        resin.role, set.name, *resin.eta));
+    if (resin.g && !(*resin.g > -1 && *resin.g < 1))
+        throw InputError(
+            fmt::format("Resin {} of set \"{}\": g is {}; the mean cosine of the scattering angle must lie between -1 "
+                        "and 1, both excluded, or leave it out to take the set's.",
+                        resin.role, set.name, *resin.g));
+    VOXTONE_EXPECT(std::abs(resin.similarity * (1 - set.g) - (1 - set.g_of(resin))) < 1e-12);
     for (std::size_t c = 0; c < channels; ++c) {
         const double sigma_t = resin.sigma_t_per_mm[c], albedo = resin.albedo[c];
         if (!(sigma_t >= 0 && std::isfinite(sigma_t))) {
@@ -76,10 +87,28 @@ void validate_resin(const ResinSet& set, const Resin& resin) {
 
 }  // namespace
 
-Medium Resin::medium(std::size_t channel) const {
+Medium Resin::own_medium(std::size_t channel) const {
     VOXTONE_EXPECT(channel < sigma_t_per_mm.size() && channel < albedo.size());
     const double sigma_s = sigma_t_per_mm[channel] * albedo[channel];
     return {sigma_t_per_mm[channel] - sigma_s, sigma_s};
+}
+
+Medium Resin::medium(std::size_t channel) const {
+    Medium medium = own_medium(channel);
+    medium.sigma_s *= similarity;
+    return medium;
+}
+
+bool ResinSet::has_own_eta() const {
+    return std::any_of(resins.begin(), resins.end(), [&](const Resin& resin) { return eta_of(resin) != eta; });
+}
+
+bool ResinSet::has_own_g() const {
+    return std::any_of(resins.begin(), resins.end(), [&](const Resin& resin) { return g_of(resin) != g; });
+}
+
+void ResinSet::relate() {
+    for (Resin& resin : resins) resin.similarity = g_of(resin) == g ? 1 : (1 - g_of(resin)) / (1 - g);
 }
 
 /// Users write roles in capitals or not: one that differs in them alone is meant, if it is one.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Resins as light sees them: absorption and scattering per channel, a shared phase function and refractive index.
+// Resins as light sees them: absorption and scattering per channel, phase function and refractive index, which are the
+// set's, but for a resin that names its own.
 //
 //   sigma_t = sigma_a + sigma_s   [mm^-1],   alpha = sigma_s / sigma_t   (single-scattering albedo)
 //
@@ -37,7 +38,16 @@ struct Resin {
     // What light does not see, for those who pay; nothing where nobody said.
     std::optional<double> density_g_per_ml = std::nullopt;  ///< > 0
     std::optional<double> price_per_kg = std::nullopt;      ///< >= 0, in the set's currency
+    // Of its own, where it differs from the set; nothing: the set's.
+    std::optional<double> eta = std::nullopt;  ///< refractive index, >= 1
+    std::optional<double> g = std::nullopt;    ///< mean cosine of the scattering angle, in (-1, 1): ResinSet::relate()
+    double similarity = 1;  ///< (1 - g) / (1 - g of the set), where it names its own: ResinSet::relate() keeps it
+
+    /// As it is to a model of one phase function, the set's: sigma_s (1 - g) is kept (similarity: van de Hulst 1980,
+    /// Multiple Light Scattering, chapter 14), so that light goes as far. Its own where it names no g.
     [[nodiscard]] Medium medium(std::size_t channel) const;
+    /// As its numbers say, for light paths, which turn by the resin's own g.
+    [[nodiscard]] Medium own_medium(std::size_t channel) const;
 };
 
 /// How an instrument looks at a flat patch. Specular light is left out, or is part of `FlatMeasurement::surface`.
@@ -72,6 +82,13 @@ struct ResinSet {
     [[nodiscard]] int find(std::string_view role) const;
     /// The set with these roles only, in this order. Throws InputError naming the roles there are.
     [[nodiscard]] ResinSet subset(std::span<const std::string> roles) const;
+    [[nodiscard]] double eta_of(const Resin& resin) const { return resin.eta.value_or(eta); }
+    [[nodiscard]] double g_of(const Resin& resin) const { return resin.g.value_or(g); }
+    /// Some resin's differs from the set's.
+    [[nodiscard]] bool has_own_eta() const;
+    [[nodiscard]] bool has_own_g() const;
+    /// After a g was changed, of the set or of a resin.
+    void relate();
     /// Eq. 7: the ideal mixture; `fractions` (one per resin) sum to 1.
     [[nodiscard]] Medium mix(std::span<const double> fractions, std::size_t channel) const;
     /// Throws InputError that names the resin, the value and the rule it breaks.

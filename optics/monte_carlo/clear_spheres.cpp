@@ -58,12 +58,13 @@ ClearSpheres::ClearSpheres(const Scene& scene, const PathVolume& volume) : table
         fitting_[i] = static_cast<std::uint8_t>(std::upper_bound(radii_.begin(), radii_.end(), room) - radii_.begin());
     }
     parallel_for(0, tables_.size(), 1, [&](std::size_t c) {
-        const Medium medium = scene.resins->resins[material_ - 1u].medium(c);
+        const Resin& resin = scene.resins->resins[material_ - 1u];
+        const Medium medium = resin.own_medium(c);
         Table& table = tables_[c];
         table.weights.assign(radii_.size(), 0);
         table.cosines.assign(radii_.size() * (FirstPassage::intervals + 1), 0);
         if (medium.albedo() < FirstPassage::least_albedo) return;
-        const FirstPassage passage(medium, scene.resins->g, radii_);
+        const FirstPassage passage(medium, scene.resins->g_of(resin), radii_);
         for (std::size_t i = passage.first(); i < radii_.size(); ++i) {
             table.weights[i] = static_cast<float>(passage.weight(i));
             std::copy(passage.cosines(i).begin(), passage.cosines(i).end(),
@@ -92,7 +93,7 @@ void ClearSpheres::choose_material(const Scene& scene, const std::vector<Materia
     const auto material = static_cast<Material>(most - count.begin());
     double thickest = 0;
     for (std::size_t c = 0; c < tables_.size(); ++c) {
-        const Medium medium = scene.resins->resins[material - 1u].medium(c);
+        const Medium medium = scene.resins->resins[material - 1u].own_medium(c);
         if (medium.albedo() >= FirstPassage::least_albedo) thickest = std::max(thickest, medium.sigma_t());
     }
     if (thickest <= 0) return;

@@ -36,25 +36,31 @@ DirectionalPaths::DirectionalPaths(const Scene& scene, double roulette_weight)
     : walk_(scene),
       backing_(scene.backing),
       roulette_weight_(roulette_weight),
-      nu_(cosine_in_resin(std::numbers::sqrt2 / 2, scene.resins->eta)),
-      sine_(std::sqrt(1 - nu_ * nu_)),
-      R_45_(fresnel_reflectance(std::numbers::sqrt2 / 2, scene.resins->eta)),
-      T_0_(1 - fresnel_reflectance(1, scene.resins->eta)),
-      mean_T_(mean_transmittance(scene.resins->eta)) {}
+      skins_(scene.resins->resins.size() + 1) {
+    for (std::size_t m = 0; m < skins_.size(); ++m) {
+        Skin& skin = skins_[m];
+        skin.eta = walk_.eta(static_cast<Material>(m));
+        skin.nu = cosine_in_resin(std::numbers::sqrt2 / 2, skin.eta);
+        skin.sine = std::sqrt(1 - skin.nu * skin.nu);
+        skin.R_45 = fresnel_reflectance(std::numbers::sqrt2 / 2, skin.eta);
+        skin.T_0 = 1 - fresnel_reflectance(1, skin.eta);
+        skin.mean_T = mean_transmittance(skin.eta);
+    }
+}
 
 /// B where the ray is, for light that comes along -ray.d.
-double DirectionalPaths::beam(Ray ray, const VoxelWalk::Optics& optics, PathRandom& random) const {
+double DirectionalPaths::beam(Ray ray, const Skin& skin, const VoxelWalk::Optics& optics, PathRandom& random) const {
     double sum = 0, transmittance = 1;
     std::uint32_t meetings = 0;
     bool certain = ray.d[2] < 0;  // who asks downward asks for the reflection
-    if (certain) transmittance = R_45_;
+    if (certain) transmittance = skin.R_45;
     for (;;) {
         const double most = exact_depth - std::log1p(-random.uniform());
         double depth = most;
         if (!walk_.advance(ray, optics, depth, meetings).at_surface) return sum;
         transmittance *= std::exp(-std::min(exact_depth, most - depth));
-        if (ray.d[2] > 0) sum += transmittance * (1 - R_45_);
-        if (!certain && random.uniform() >= R_45_) return sum;
+        if (ray.d[2] > 0) sum += transmittance * (1 - skin.R_45);
+        if (!certain && random.uniform() >= skin.R_45) return sum;
         certain = false;
         ray.d[2] = -ray.d[2];
     }
@@ -67,11 +73,12 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
     const double u = random.uniform(), v = random.uniform();
     Ray ray = walk_.at_face(face, u, v);
     ray.d = {0, 0, -1};
+    const Skin& skin = skins_[ray.material];
 
     const auto ray_from = [&](double z) {
         Ray to_light = ray;
         const double phi = 2 * pi * random.uniform();
-        to_light.d = {sine_ * std::cos(phi), sine_ * std::sin(phi), z};
+        to_light.d = {skin.sine * std::cos(phi), skin.sine * std::sin(phi), z};
         return to_light;
     };
     double sum = 0, weight = 1;
@@ -82,24 +89,24 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
             const Stop stop = walk_.advance(ray, optics, depth, patience.meetings);
             if (!patience.survives(weight, random)) return sum;
             if (!stop.at_surface) break;
-            if (random.uniform() < internal_reflectance(std::abs(ray.d[stop.axis]), walk_.eta())) {
+            if (random.uniform() < internal_reflectance(std::abs(ray.d[stop.axis]), skin.eta)) {
                 ray.d[stop.axis] = -ray.d[stop.axis];
                 continue;
             }
             if (!stop.on_sheet || backing_ != Backing::white) return sum;  // calibration knows no other sheets
-            sum += T_0_ * weight * (1 - R_45_) * beam(ray_from(nu_), optics, random) / mean_T_;
-            ray.d = entering_light(2, 1.0, walk_.eta(), random);
+            sum += skin.T_0 * weight * (1 - skin.R_45) * beam(ray_from(skin.nu), skin, optics, random) / skin.mean_T;
+            ray.d = entering_light(2, 1.0, skin.eta, random);
         }
         weight *= optics.albedo[ray.material];
         if (!survives_roulette_by_weight(weight, roulette_weight_, random)) return sum;
         // Downward, as rarely as it is faint, for the light that the lower surface reflected.
-        const bool down = random.uniform() < R_45_;
-        const Ray to_light = ray_from(down ? -nu_ : nu_);
+        const bool down = random.uniform() < skin.R_45;
+        const Ray to_light = ray_from(down ? -skin.nu : skin.nu);
         const double cosine = ray.d[0] * to_light.d[0] + ray.d[1] * to_light.d[1] + ray.d[2] * to_light.d[2];
-        const double B = beam(to_light, optics, random);
-        sum += pi * T_0_ / (walk_.eta() * walk_.eta() * nu_) * weight * henyey_greenstein(cosine, walk_.g()) * B /
-               (down ? R_45_ : 1 - R_45_);
-        walk_.scatter(ray.d, random);
+        const double B = beam(to_light, skin, optics, random);
+        sum += pi * skin.T_0 / (skin.eta * skin.eta * skin.nu) * weight *
+               henyey_greenstein(cosine, walk_.g(ray.material)) * B / (down ? skin.R_45 : 1 - skin.R_45);
+        walk_.scatter(ray, random);
     }
 }
 

@@ -10,8 +10,11 @@
 //   rho = pi T_0 / (eta^2 nu) sum W p(v . d) B,      B = T_45 exp(-depth to the top) + what the surfaces send back,
 // where the beam is reflected within the slab with the Fresnel reflectance R_45 at top and bottom. Where a path leaves
 // downward on a white sheet it sees T_45 B there, sent back as diffuse light: rho += T_0 W T_45 B / mean T.
-// Unbiased; light from below does not exist in this geometry.
+// Unbiased; light from below does not exist in this geometry. Resins of indices of their own: a path keeps to that of
+// the resin where it went in.
 #pragma once
+
+#include <vector>
 
 #include "optics/monte_carlo/scalar_paths.h"
 
@@ -26,12 +29,16 @@ public:
                                   std::size_t channel, PathRandom& random) const;
 
 private:
-    [[nodiscard]] double beam(Ray ray, const VoxelWalk::Optics& optics, PathRandom& random) const;
+    /// What the surface of a material does to this light: as above.
+    struct Skin {
+        double eta = 1, nu = 1, sine = 0, R_45 = 0, T_0 = 1, mean_T = 1;
+    };
+    [[nodiscard]] double beam(Ray ray, const Skin& skin, const VoxelWalk::Optics& optics, PathRandom& random) const;
 
     VoxelWalk walk_;
     Backing backing_;
     double roulette_weight_;
-    double nu_, sine_, R_45_, T_0_, mean_T_;
+    std::vector<Skin> skins_;  ///< per material
 };
 
 }  // namespace voxtone::optics

@@ -27,6 +27,7 @@ public:
           volume_(volume),
           options_(options),
           channels_(scene.resins->channels.size()),
+          own_eta_(scene.resins->has_own_eta()),
           shares_(shares),
           sum_(shares.size()),
           squares_(shares.size()) {}
@@ -44,6 +45,7 @@ public:
         start.at[axis] = static_cast<float>(face.voxel[axis] + side);
         start.at[along_u] = static_cast<float>(face.voxel[along_u]) + entry_.u[e];
         start.at[along_v] = static_cast<float>(face.voxel[along_v]) + entry_.v[e];
+        if (own_eta_) refract_as_there(face, e);
         start.direction[axis] = side == 1 ? -entry_.inward[e] : entry_.inward[e];
         start.direction[along_u] = entry_.along_u[e];
         start.direction[along_v] = entry_.along_v[e];
@@ -69,6 +71,20 @@ public:
     }
 
 private:
+    /// The direction once more, by the index of the resin at the face.
+    void refract_as_there(const SurfaceFace& face, std::size_t e) {
+        const Material material = scene_.volume->at(face.voxel[0], face.voxel[1], face.voxel[2]);
+        if (material == air) return;
+        const double eta = scene_.resins->eta_of(scene_.resins->resins[material - 1u]);
+        if (eta == scene_.resins->eta) return;
+        PathRandom random({entry_.random[0][e], entry_.random[1][e], entry_.random[2][e], entry_.random[3][e]});
+        const auto d = entering_light(0, 1.0, eta, random);
+        entry_.inward[e] = static_cast<float>(d[0]);
+        entry_.along_u[e] = safe_component(d[1]), entry_.along_v[e] = safe_component(d[2]);
+        const auto state = random.state();
+        for (std::size_t k = 0; k < 4; ++k) entry_.random[k][e] = state[k];
+    }
+
     /// From the face of a voxel to the surface that it stands for.
     void move_to_boundary(PathStart& start, std::size_t e) const {
         const auto& pitch = scene_.volume->pitch_mm();
@@ -111,6 +127,7 @@ private:
     const PathVolume& volume_;
     const MonteCarloOptions& options_;
     std::size_t channels_;
+    bool own_eta_;
     std::span<const Share> shares_;
     Entries entry_;
     std::array<std::uint32_t, Entries::most> entry_share_{};

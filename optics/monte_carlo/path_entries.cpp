@@ -42,7 +42,7 @@ void draw(std::uint64_t seed, float eta, Entries& entries) {
             random.s1 = hn::IfThenElse(bits, more.s1, random.s1);
             random.s2 = hn::IfThenElse(bits, more.s2, random.s2);
             random.s3 = hn::IfThenElse(bits, more.s3, random.s3);
-            rejected = hn::And(rejected, hn::Lt(chance, fresnel(hn::Sqrt(candidate), nu, eta)));
+            rejected = hn::And(rejected, hn::Lt(chance, fresnel(hn::Sqrt(candidate), nu, constant(eta))));
         } while (!hn::AllFalse(d, rejected));
         const Float sine2 = hn::Mul(hn::Sub(one, mu2), constant(1 / (eta * eta))), sine = hn::Sqrt(sine2);
         Float x, y;

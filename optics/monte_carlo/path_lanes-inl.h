@@ -93,17 +93,16 @@ HWY_INLINE void azimuth(Bits bits, Float& cosine, Float& sine) {
 HWY_INLINE Float gather(const float* table, Int index) { return hn::GatherIndex(Tag(), table, index); }
 
 /// Unpolarised, for cosines to the normal in air and in the resin.
-HWY_INLINE Float fresnel(Float mu, Float nu, float index) {
-    const Float eta = constant(index);
+HWY_INLINE Float fresnel(Float mu, Float nu, Float eta) {
     const Float s_wave = hn::Div(hn::Sub(mu, hn::Mul(eta, nu)), hn::Add(mu, hn::Mul(eta, nu)));
     const Float p_wave = hn::Div(hn::Sub(hn::Mul(eta, mu), nu), hn::Add(hn::Mul(eta, mu), nu));
     return hn::Mul(constant(0.5f), hn::Add(hn::Mul(s_wave, s_wave), hn::Mul(p_wave, p_wave)));
 }
 
 /// 1 beyond the critical angle.
-HWY_INLINE Float internal_reflectance(Float nu, float eta) {
+HWY_INLINE Float internal_reflectance(Float nu, Float eta) {
     const Float one = constant(1), zero = hn::Zero(Tag());
-    const Float mu2 = hn::Sub(one, hn::Mul(constant(eta * eta), hn::Mul(hn::Sub(one, nu), hn::Add(one, nu))));
+    const Float mu2 = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Mul(hn::Sub(one, nu), hn::Add(one, nu))));
     return hn::IfThenElse(hn::Gt(mu2, zero), fresnel(hn::Sqrt(hn::Max(mu2, zero)), nu, eta), one);
 }
 

@@ -340,7 +340,7 @@ private:
         const Mask survives = hn::Lt(hn::Mul(hn::Add(chance, constant(0x1p-17f)), least), e.weight);
         e.ends = hn::And(hn::AndNot(survives, faint), e.alive);
         e.weight = hn::IfThenElse(e.ends, hn::Zero(d), hn::IfThenElse(faint, least, e.weight));
-        scatter(e.u, hn::ShiftRight<16>(e.draws[2]), real, e.dir);
+        scatter(e.u, hn::ShiftRight<16>(e.draws[2]), real, e.material, e.dir);
         if constexpr (bounded) {
             if (scene_.spheres.fitting) find_even(e, hn::AndNot(e.ends, real));
         }
@@ -349,9 +349,11 @@ private:
     /// Which real scatterings in the resin of the spheres were even: a share even_share / (2 p(c)) of those by an angle
     /// of cosine c, by the draw that found them real. Of Henyey and Greenstein's 1 / (2 p(c)) is (1 - g^2)^2 / D^3.
     HWY_INLINE void find_even(Event& e, Mask real) const {
-        const Float D = hn::Add(hn::Mul(e.u, constant(2 * scene_.g)), constant(1 - scene_.g));
-        const auto sigma_t = static_cast<double>(scene_.sigma_t[static_cast<std::size_t>(scene_.spheres.material)]);
-        const auto g = static_cast<double>(scene_.g);
+        const auto material = static_cast<std::size_t>(scene_.spheres.material);
+        const float its_g = scene_.g_of[material];
+        const Float D = hn::Add(hn::Mul(e.u, constant(2 * its_g)), constant(1 - its_g));
+        const auto sigma_t = static_cast<double>(scene_.sigma_t[material]);
+        const auto g = static_cast<double>(its_g);
         const Float share = constant(static_cast<float>(sigma_t * even_share(g) * (1 - g * g) * (1 - g * g)));
         const Mask chosen = hn::Lt(hn::Mul(hn::Mul(unit(e.draws[3]), e.majorant), hn::Mul(D, hn::Mul(D, D))), share);
         const Mask there = hn::RebindMask(Tag(), hn::Eq(e.material, hn::Set(IntTag(), scene_.spheres.material)));
@@ -464,13 +466,31 @@ private:
         if (!hn::AllFalse(d, surface)) {
             const Float cosine =
                 hn::Abs(hn::IfThenElse(e.axis[0], e.dir[0], hn::IfThenElse(e.axis[1], e.dir[1], e.dir[2])));
-            const Mask reflected = hn::And(surface, hn::Lt(e.u, internal_reflectance(cosine, scene_.eta)));
+            const Float eta = scene_.own_eta ? eta_at_side(row, surface, e) : constant(scene_.eta);
+            const Mask reflected = hn::And(surface, hn::Lt(e.u, internal_reflectance(cosine, eta)));
             turns = hn::Or(turns, reflected);
             e.leaves = hn::And(hn::AndNot(reflected, surface), e.alive);
         }
         count_meetings(row, e, hn::Or(surface, e.mirrored));
         for (std::size_t a = 0; a < 3; ++a)
             e.dir[a] = hn::IfThenElse(hn::And(turns, e.axis[a]), hn::Neg(e.dir[a]), e.dir[a]);
+    }
+
+    /// Of the voxels that these paths are about to leave.
+    HWY_NOINLINE Float eta_at_side(std::size_t row, Mask surface, const Event& e) const {
+        const Tag d;
+        const IntTag di;
+        const Int base = hn::Load(di, lanes_.base.data() + row), fifteen = hn::Set(di, 15);
+        Int local = hn::Zero(di);
+        for (std::size_t a = 3; a-- > 0;) {
+            const Float back = hn::IfThenElse(e.forward[a], constant(-1), constant(1));
+            const Float inside = hn::Add(e.voxel[a], hn::IfThenElseZero(e.axis[a], back));
+            local = hn::Add(hn::ShiftLeft<4>(local), hn::And(hn::ConvertTo(di, inside), fifteen));
+        }
+        const Int entry = hn::Add(base, hn::IfThenElseZero(hn::Gt(base, hn::Set(di, 255)), local));
+        const Int found = hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(scene_.voxels),
+                                           hn::ShiftLeft<1>(hn::IfThenElseZero(hn::RebindMask(di, surface), entry)));
+        return gather(scene_.eta_of.data(), hn::And(found, hn::Set(di, 255)));
     }
 
     HWY_INLINE void enter_box(std::size_t row, Event& e, Mask enters) {
@@ -559,13 +579,13 @@ private:
             const double roughness = scene_.finish ? scene_.finish->roughness(at, normals_[lane].geometric) : 0.0;
             const bool leaves = roughness > 0
                                     ? crosses_rough(lane, roughness, way)
-                                    : static_cast<double>(u[k]) >= turn_at_boundary(normals_[lane], eta(), way);
+                                    : static_cast<double>(u[k]) >= turn_at_boundary(normals_[lane], eta(lane), way);
             const bool again = leaves && !on_sheet && scene_.follow_outside && meets_again(lane, at);
             if (leaves && on_sheet && scene_.sheet) lanes_.weight[lane] *= sent_back_at(lane);
             if (leaves && !again && (!on_sheet || scene_.backing == Backing::black || lanes_.weight[lane] <= 0)) {
                 if (scene_.tells_exits && !on_sheet)
                     tell_exit(lane, at,
-                              roughness > 0 ? way : leaving_direction(normals_[lane], eta(), direction(lane)));
+                              roughness > 0 ? way : leaving_direction(normals_[lane], eta(lane), direction(lane)));
                 else
                     source_.finished(lanes_.tag[lane], on_sheet ? 0.0f : lanes_.weight[lane], place(lane));
                 lost += !refill(lane);
@@ -604,14 +624,40 @@ private:
         return static_cast<float>(share_sent_back(static_cast<double>(scene_.sheet->at(at[0], at[1], scene_.channel)),
                                                   scene_.surface_in_air));
     }
-    [[nodiscard]] double eta() const { return static_cast<double>(scene_.eta); }
+    /// At the surface that the path stands at.
+    [[nodiscard]] double eta(std::size_t lane) const {
+        if (!scene_.own_eta) return static_cast<double>(scene_.eta);
+        std::array<int, 3> voxel{};
+        for (std::size_t a = 0; a < 3; ++a)
+            voxel[a] = static_cast<int>(
+                std::clamp(std::floor(lanes_.at[a][lane]), lanes_.low[a][lane], lanes_.high[a][lane] - 1));
+        return eta_in(voxel);
+    }
+    /// Voxels that no resin is near have the set's.
+    [[nodiscard]] double eta_in(const std::array<int, 3>& voxel) const {
+        return static_cast<double>(scene_.eta_of[static_cast<std::size_t>(content_of(voxel) & 255)]);
+    }
+    [[nodiscard]] double eta_near(const Point& at, const BoundaryNormals& normals) const {
+        return scene_.own_eta ? eta_in(voxel_within(at, normals)) : static_cast<double>(scene_.eta);
+    }
+    /// Of a point of the surface, the voxel just within.
+    [[nodiscard]] std::array<int, 3> voxel_within(const Point& at, const BoundaryNormals& normals) const {
+        std::array<int, 3> voxel{};
+        for (std::size_t a = 0; a < 3; ++a)
+            voxel[a] = std::clamp(static_cast<int>(std::floor(place_within(at, normals, a))), 0, scene_.size[a] - 1);
+        return voxel;
+    }
+    [[nodiscard]] float place_within(const Point& at, const BoundaryNormals& normals, std::size_t axis) const {
+        const double inward = at[axis] - inside_boundary_mm * normals.geometric[axis];
+        return static_cast<float>(inward / static_cast<double>(scene_.pitch_mm[axis]) + scene_.offset);
+    }
     void tell_exit(std::size_t lane, const Point& at, const Point& way) {
         source_.left(lanes_.tag[lane], lanes_.weight[lane], {at, way, random_state(lane)});
     }
     /// Turns `way` at a rough surface; true where it goes through.
     bool crosses_rough(std::size_t lane, double roughness, Point& way) {
         PathRandom random(random_state(lane));
-        const bool through = cross_boundary(normals_[lane], eta(), roughness, true, way, random);
+        const bool through = cross_boundary(normals_[lane], eta(lane), roughness, true, way, random);
         set_random_state(lane, random.state());
         return through;
     }
@@ -620,15 +666,14 @@ private:
     /// fold, the inside of a cup. False, with the lane as it was, where it gets away.
     bool meets_again(std::size_t lane, Point at) {
         constexpr int most_reflections = 32;
-        const auto eta = static_cast<double>(scene_.eta);
-        Point way = leaving_direction(normals_[lane], eta, direction(lane));
+        Point way = leaving_direction(normals_[lane], eta(lane), direction(lane));
         PathRandom random(random_state(lane));
         for (int k = 0; k < most_reflections; ++k) {
             double distance = 0;
             BoundaryNormals normals;
             if (!scene_.boundary->meets(at, way, distance, normals)) break;
             for (std::size_t a = 0; a < 3; ++a) at[a] += distance * way[a];
-            const MetFromOutside met = meet_from_outside(normals, eta, way);
+            const MetFromOutside met = meet_from_outside(normals, eta_near(at, normals), way);
             if (random.uniform() >= met.reflectance) {
                 set_random_state(lane, random.state());
                 enter_at(lane, at, normals, met.refracted);
@@ -642,15 +687,11 @@ private:
 
     /// Sets a lane on its way inside from a point of the surface.
     void enter_at(std::size_t lane, const Point& at, const BoundaryNormals& normals, const Point& way) {
-        std::array<int, 3> voxel{};
         for (std::size_t a = 0; a < 3; ++a) {
-            const double inward = at[a] - inside_boundary_mm * normals.geometric[a];
-            const auto place = static_cast<float>(inward / static_cast<double>(scene_.pitch_mm[a]) + scene_.offset);
-            voxel[a] = std::clamp(static_cast<int>(std::floor(place)), 0, scene_.size[a] - 1);
-            lanes_.at[a][lane] = place;
+            lanes_.at[a][lane] = place_within(at, normals, a);
             lanes_.direction[a][lane] = safe_component(way[a]);
         }
-        stand_in(lane, voxel);
+        stand_in(lane, voxel_within(at, normals));
         for (std::size_t a = 0; a < 3; ++a)
             lanes_.at[a][lane] = std::clamp(lanes_.at[a][lane], lanes_.low[a][lane], lanes_.high[a][lane]);
     }
@@ -674,14 +715,15 @@ private:
     /// dir, where `real`: turned by the angle of Henyey and Greenstein. With D = 1 - g + 2 g u, u uniform,
     ///   1 - cos = 2 (1 - g)^2 (1 - u) (1 + g u) / D^2,
     /// the inverse of its distribution, free of cancellation and of a special case for g = 0.
-    HWY_INLINE void scatter(Float u, Bits turn_bits, Mask real, Float* dir) const {
+    HWY_INLINE void scatter(Float u, Bits turn_bits, Mask real, Int material, Float* dir) const {
         const Tag d;
         const Float one = constant(1);
-        const float g = scene_.g;
-        const Float D = hn::Add(hn::Mul(u, constant(2 * g)), constant(1 - g));
-        const Float m = hn::Div(
-            hn::Mul(hn::Mul(hn::Sub(one, u), constant(2 * (1 - g) * (1 - g))), hn::Add(one, hn::Mul(u, constant(g)))),
-            hn::Mul(D, D));
+        const Float g = scene_.own_g ? of_material(scene_.g_of.data(), material) : constant(scene_.g);
+        const Float rest = hn::Sub(one, g), twice = constant(2);
+        const Float D = hn::Add(hn::Mul(u, hn::Mul(twice, g)), rest);
+        const Float m =
+            hn::Div(hn::Mul(hn::Mul(hn::Sub(one, u), hn::Mul(hn::Mul(twice, rest), rest)), hn::Add(one, hn::Mul(u, g))),
+                    hn::Mul(D, D));
         Float to[3] = {dir[0], dir[1], dir[2]};
         turn(hn::Sub(one, m), hn::Sqrt(hn::Max(hn::Mul(m, hn::Sub(constant(2), m)), hn::Zero(d))), turn_bits, to);
         for (std::size_t c = 0; c < 3; ++c) dir[c] = hn::IfThenElse(real, to[c], dir[c]);
@@ -775,11 +817,8 @@ private:
 
     /// The box around a voxel, and what it holds.
     void stand_in(std::size_t lane, const std::array<int, 3>& voxel) {
-        const std::array<int, 3> block{voxel[0] / 16, voxel[1] / 16, voxel[2] / 16};
-        const auto b = static_cast<std::size_t>((block[2] * scene_.blocks[1] + block[1]) * scene_.blocks[0] + block[0]);
-        const std::uint32_t base = scene_.base[b];
-        const int local = ((voxel[2] % 16) * 16 + voxel[1] % 16) * 16 + voxel[0] % 16;
-        const int content = scene_.voxels[base < 256 ? base : base + static_cast<std::uint32_t>(local)];
+        const std::size_t b = block_of(voxel);
+        const int content = content_of(voxel);
         const int level = content >> 8 & 15;
         lanes_.near[lane] = content & boundary_is_near;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -787,8 +826,19 @@ private:
             lanes_.low[a][lane] = static_cast<float>(first);
             lanes_.high[a][lane] = static_cast<float>(std::min(first + (1 << level), scene_.size[a]));
         }
-        lanes_.base[lane] = static_cast<std::int32_t>(base);
+        lanes_.base[lane] = static_cast<std::int32_t>(scene_.base[b]);
         lanes_.majorant[lane] = scene_.majorant[b];
+    }
+
+    [[nodiscard]] std::size_t block_of(const std::array<int, 3>& voxel) const {
+        return static_cast<std::size_t>((voxel[2] / 16 * scene_.blocks[1] + voxel[1] / 16) * scene_.blocks[0] +
+                                        voxel[0] / 16);
+    }
+    /// As path_volume.h has it.
+    [[nodiscard]] int content_of(const std::array<int, 3>& voxel) const {
+        const std::uint32_t base = scene_.base[block_of(voxel)];
+        const int local = ((voxel[2] % 16) * 16 + voxel[1] % 16) * 16 + voxel[0] % 16;
+        return scene_.voxels[base < 256 ? base : base + static_cast<std::uint32_t>(local)];
     }
 
     const PacketScene& scene_;
@@ -825,8 +875,13 @@ PacketScene packet_scene(const Scene& scene, const PathVolume& volume, std::size
     packet.boundary = volume.boundary();
     packet.offset = static_cast<float>(volume.offset());
     for (std::size_t a = 0; a < 3; ++a) packet.pitch_mm[a] = static_cast<float>(scene.volume->pitch_mm()[a]);
+    packet.g_of.fill(static_cast<float>(scene.resins->g)), packet.eta_of.fill(static_cast<float>(scene.resins->eta));
+    packet.own_g = scene.resins->has_own_g(), packet.own_eta = scene.resins->has_own_eta();
     for (std::size_t r = 0; r < scene.resins->resins.size() && r < 255; ++r) {
-        const Medium medium = scene.resins->resins[r].medium(channel);
+        const Resin& resin = scene.resins->resins[r];
+        const Medium medium = resin.own_medium(channel);
+        packet.g_of[r + 1] = static_cast<float>(scene.resins->g_of(resin));
+        packet.eta_of[r + 1] = static_cast<float>(scene.resins->eta_of(resin));
         packet.sigma_t[r + 1] = static_cast<float>(medium.sigma_t());
         packet.albedo[r + 1] = static_cast<float>(medium.albedo());
     }

@@ -79,6 +79,8 @@ struct PacketScene {
     float offset = 0;                       ///< voxels between the corner of path coordinates and the scene's volume
     std::size_t materials = 0;
     std::array<float, 256> sigma_t{}, albedo{};  ///< per material
+    std::array<float, 256> g_of{}, eta_of{};     ///< likewise; of air the set's
+    bool own_g = false, own_eta = false;         ///< some are not the set's
     float g = 0, eta = 1, roulette_weight = 0.1f;
     DropletSpread droplets;  ///< within blocks of path_volume.h, at whose sides the box is folded back
     LateralSpread spread;    ///< across blocks, before that

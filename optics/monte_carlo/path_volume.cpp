@@ -217,7 +217,7 @@ PathVolume::PathVolume(const Scene& scene, const BodyBoundary* boundary)
     for (std::size_t c = 0; c < majorant_.size(); ++c) {
         majorant_[c].resize(base_.size());
         for (std::size_t r = 0; r < scene.resins->resins.size() && r < 255; ++r)
-            sigma_t[c][r + 1] = scene.resins->resins[r].medium(c).sigma_t();
+            sigma_t[c][r + 1] = scene.resins->resins[r].own_medium(c).sigma_t();
     }
     parallel_for(0, base_.size(), 16, [&](std::size_t b) {
         std::array<bool, 256> seen{};
@@ -241,6 +241,17 @@ PathVolume::PathVolume(const Scene& scene, const BodyBoundary* boundary)
     const std::array<int, 2> reach = LateralSpread(scene.spread_mm, volume.pitch_mm()).reach();
     for (std::size_t a = 0; a < 2; ++a)
         if (reach[a] > 0) widen_majorants(a, (reach[a] + edge - 1) / edge);
+}
+
+Material PathVolume::material(const std::array<int, 3>& voxel) const {
+    std::size_t block = 0;
+    for (std::size_t a = 3; a-- > 0;) {
+        if (voxel[a] < 0 || voxel[a] >= size_[a]) return air;
+        block = block * static_cast<std::size_t>(blocks_[a]) + static_cast<std::size_t>(voxel[a] / edge);
+    }
+    const std::uint32_t base = base_[block];
+    return static_cast<Material>(
+        voxels_[base < 256 ? base : base + at(voxel[0] % edge, voxel[1] % edge, voxel[2] % edge)] & 255);
 }
 
 /// Particles may belong to voxels that lie so many blocks away along an axis.

@@ -36,6 +36,8 @@ public:
     // bit 15 is set where the boundary may pass through the box.
     [[nodiscard]] const std::vector<std::uint16_t>& voxels() const { return voxels_; }
     [[nodiscard]] const std::vector<std::uint32_t>& base() const { return base_; }  ///< per block, x fastest
+    /// In path coordinates; air beyond.
+    [[nodiscard]] Material material(const std::array<int, 3>& voxel) const;
     [[nodiscard]] const std::array<int, 3>& blocks() const { return blocks_; }
     [[nodiscard]] const std::array<int, 3>& size() const { return size_; }  ///< with the offset at all sides
     [[nodiscard]] int offset() const { return offset_; }

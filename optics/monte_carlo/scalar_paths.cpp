@@ -61,7 +61,8 @@ double ScalarPaths::weight(const Surface& surface, const PathStarts& starts, std
     const double u = random.uniform(), v = random.uniform();
     Ray ray = walk_.at_face(face, u, v);
     const int facing = static_cast<int>(face.facing);
-    ray.d = entering_light(static_cast<std::size_t>(facing / 2), facing % 2 == 1 ? -1.0 : 1.0, walk_.eta(), random);
+    ray.d = entering_light(static_cast<std::size_t>(facing / 2), facing % 2 == 1 ? -1.0 : 1.0, walk_.eta(ray.material),
+                           random);
 
     double weight = 1;
     RouletteByOrder patience;
@@ -71,7 +72,7 @@ double ScalarPaths::weight(const Surface& surface, const PathStarts& starts, std
             const Stop stop = walk_.advance(ray, optics, depth, patience.meetings);
             if (!patience.survives(weight, random)) return 0;
             if (!stop.at_surface) break;
-            if (random.uniform() < internal_reflectance(std::abs(ray.d[stop.axis]), walk_.eta())) {
+            if (random.uniform() < internal_reflectance(std::abs(ray.d[stop.axis]), walk_.eta(ray.material))) {
                 ray.d[stop.axis] = -ray.d[stop.axis];
                 continue;
             }
@@ -82,11 +83,11 @@ double ScalarPaths::weight(const Surface& surface, const PathStarts& starts, std
                                                      ray.voxel[1] * pitch_mm_[1] + ray.at[1], channel),
                                           surface_in_air_);
             if (weight <= 0) return 0;
-            ray.d = entering_light(2, 1.0, walk_.eta(), random);
+            ray.d = entering_light(2, 1.0, walk_.eta(air), random);
         }
         weight *= optics.albedo[ray.material];
         if (!survives_roulette_by_weight(weight, roulette_weight_, random)) return 0;
-        walk_.scatter(ray.d, random);
+        walk_.scatter(ray, random);
     }
 }
 

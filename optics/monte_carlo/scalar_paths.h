@@ -16,6 +16,9 @@
 //                    too
 //   surface          reflected with the Fresnel reflectance, else it leaves. Light that left never comes back, but from
 //                    a white sheet: there it enters again at the same place as diffuse light that is let in
+//   own index        of the resin whose voxel lies at the surface there. Within the body rays go straight from resin to
+//                    resin (decisions/028). What is followed is radiance over the square of the index, which a change
+//                    of index leaves as it is: a body that absorbs nothing stays 1
 #pragma once
 
 #include <cstddef>

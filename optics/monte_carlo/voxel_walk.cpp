@@ -28,14 +28,15 @@ std::array<double, 3> entering_light(std::size_t axis, double inward, double eta
 }
 
 VoxelWalk::VoxelWalk(const Scene& scene)
-    : volume_(*scene.volume),
-      sides_(scene.sides),
-      eta_(scene.resins->eta),
-      g_(scene.resins->g),
-      channels_(scene.resins->channels.size()) {
+    : volume_(*scene.volume), sides_(scene.sides), channels_(scene.resins->channels.size()) {
+    eta_.fill(scene.resins->eta), g_.fill(scene.resins->g);
+    for (std::size_t r = 0; r < scene.resins->resins.size() && r < 255; ++r) {
+        eta_[r + 1] = scene.resins->eta_of(scene.resins->resins[r]);
+        g_[r + 1] = scene.resins->g_of(scene.resins->resins[r]);
+    }
     for (std::size_t c = 0; c < channels_.size(); ++c)
         for (std::size_t r = 0; r < scene.resins->resins.size() && r < 255; ++r) {
-            const Medium medium = scene.resins->resins[r].medium(c);
+            const Medium medium = scene.resins->resins[r].own_medium(c);
             channels_[c].sigma_t[r + 1] = medium.sigma_t();
             channels_[c].albedo[r + 1] = medium.albedo();
         }

@@ -34,11 +34,12 @@ public:
     explicit VoxelWalk(const Scene& scene);
 
     struct Optics {
-        std::array<double, 256> sigma_t{}, albedo{};  ///< per material
+        std::array<double, 256> sigma_t{}, albedo{};  ///< per material, as its own g wants them
     };
     [[nodiscard]] const Optics& optics(std::size_t channel) const { return channels_[channel]; }
-    [[nodiscard]] double eta() const { return eta_; }
-    [[nodiscard]] double g() const { return g_; }
+    /// Of a material; of air the set's.
+    [[nodiscard]] double eta(Material material) const { return eta_[material]; }
+    [[nodiscard]] double g(Material material) const { return g_[material]; }
 
     /// A ray at the place (u, v) of a face, without a direction.
     [[nodiscard]] Ray at_face(const SurfaceFace& face, double u, double v) const;
@@ -47,13 +48,13 @@ public:
     /// `meetings` counts surfaces and mirrors.
     Stop advance(Ray& ray, const Optics& optics, double& depth, std::uint32_t& meetings) const;
 
-    /// Turns d by an angle of Henyey and Greenstein.
-    void scatter(std::array<double, 3>& d, PathRandom& random) const { turn_henyey_greenstein(d, g_, random); }
+    /// Turns the ray by an angle of Henyey and Greenstein, as the resin does that it is in.
+    void scatter(Ray& ray, PathRandom& random) const { turn_henyey_greenstein(ray.d, g_[ray.material], random); }
 
 private:
     const ResinVolume& volume_;
     Sides sides_;
-    double eta_, g_;
+    std::array<double, 256> eta_{}, g_{};
     std::vector<Optics> channels_;
 };
 

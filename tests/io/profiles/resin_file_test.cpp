@@ -18,6 +18,8 @@ optics::ResinSet own_set() {
     set.channels = optics::testing::overlapping_channels();
     set.channels.xyz[0][0] += 1e-5 / 3;  // within what a white may be off
     set.resins[0].albedo[3] = 1.0 / 3;
+    set.resins[1].eta = 1.48, set.resins[2].g = 1.0 / 3;
+    set.relate();
     return set;
 }
 
@@ -32,6 +34,9 @@ void check_same(const optics::ResinSet& a, const optics::ResinSet& b) {
         CHECK(a.resins[r].role == b.resins[r].role);
         CHECK(a.resins[r].sigma_t_per_mm == b.resins[r].sigma_t_per_mm);
         CHECK(a.resins[r].albedo == b.resins[r].albedo);
+        CHECK(a.resins[r].eta == b.resins[r].eta);
+        CHECK(a.resins[r].g == b.resins[r].g);
+        CHECK(a.resins[r].similarity == b.resins[r].similarity);
     }
 }
 
@@ -90,6 +95,23 @@ TEST_CASE("A set that was fitted has six digits, so that the last bits of a proc
     set.resins[1].albedo = {0.999999123456, 0.000123456789, 1, 0};
     CHECK(rounded_set(set).resins[1].albedo == std::vector<double>{0.999999123, 0.000123457, 1, 0});
     CHECK(rounded_set(optics::vero_opaque()).resins[0].albedo == optics::vero_opaque().resins[0].albedo);
+}
+
+TEST_CASE("A resin of its own g is to models of one what scatters as far, and a faulty one names resin and rule") {
+    const optics::ResinSet set = parse_resin_set(resin_set_text(own_set()), "text");
+    CHECK(set.has_own_eta());
+    CHECK(set.has_own_g());
+    CHECK(set.eta_of(set.resins[1]) == 1.48);
+    CHECK(set.eta_of(set.resins[0]) == set.eta);
+    const optics::Medium own = set.resins[2].own_medium(0), seen = set.resins[2].medium(0);
+    CHECK(seen.sigma_a == own.sigma_a);
+    CHECK(seen.sigma_s * (1 - set.g) == Approx(own.sigma_s * (1 - 1.0 / 3)));
+    CHECK(set.resins[1].medium(0).sigma_s == set.resins[1].own_medium(0).sigma_s);
+    CHECK(resin_set_text(set).find("\"eta\": 1.48") != std::string::npos);
+    CHECK(resin_set_text(optics::vero_opaque()).find("\"eta\"") == resin_set_text(optics::vero_opaque()).rfind("\"eta\""));
+    CHECK_THAT(fault("1.48", "0.9"), Contains("FILE") && Contains("`resins[1].eta`") && Contains("1 to 10"));
+    CHECK_THAT(fault("\"g\": 0.333", "\"g\": 1.333"), Contains("`resins[2].g`") && Contains("-1 to 1"));
+    CHECK_THAT(fault("\"g\": 0.3333333333333333", "\"g\": 1"), Contains("Y") && Contains("both excluded"));
 }
 
 TEST_CASE("Faulty channels name file, key and rule") {

@@ -152,7 +152,8 @@ Surface one_face(const std::array<int, 3>& voxel, const std::array<float, 3>& no
 
 TEST_CASE("White furnace under a boundary: no shading normal loses light or makes any") {
     const ResinVolume volume = ball(3);
-    const ResinSet set = three_media(1);
+    ResinSet set = three_media(1);
+    set.resins[1].eta = 1.8, set.resins[2].eta = 1.1;
     const Crumpled crumpled;
     const Sphere sphere({centre, centre, centre}, radius);
     for (const Backing backing : {Backing::none, Backing::white}) {
@@ -255,7 +256,10 @@ TEST_CASE("A slab of flat sides looks the same at every tilt, and as the exact s
 }
 
 TEST_CASE("A box looks the same with the faces of its voxels and with flat sides") {
-    const ResinSet set = vero_opaque();
+    ResinSet set = vero_opaque();
+    const bool own = GENERATE(false, true);
+    if (own) set.resins[1].eta = 1.2, set.resins[4].eta = 1.9, set.resins[4].g = -0.2;
+    set.relate();
     const std::array<int, 3> size{24, 14, 40};
     const ResinVolume volume =
         make_resin_volume(size, slab_pitch_mm, [](int x, int y, int z) { return 1 + (x / 5 + y / 3 + z / 9) % 5; });
