@@ -12,6 +12,7 @@
 #include "base/random.h"
 #include "optics/grid/block_voxels.h"
 #include "optics/grid/lattice.h"
+#include "optics/grid/viewing_faces.h"
 #include "optics/media/mirrored_box.h"
 #include "optics/numerics/share_ladder.h"
 
@@ -379,6 +380,7 @@ bool homogenise(ViewingGrid& grid, const ResinVolume& volume, std::vector<std::u
     const bool fits =
         std::ranges::any_of(kinds, [&](Kinds kind) { return CompositionFinder(grid, volume, kind, progress).run(); });
     VOXTONE_ENSURE(fits);
+    choose_face_indices(grid);
     return true;
 }
 

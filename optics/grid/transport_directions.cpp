@@ -42,26 +42,14 @@ double smooth_transmittance(double nu, double eta) {
     return sum / samples;
 }
 
-}  // namespace
-
-DirectionSet make_directions(double g, double eta) {
-    VOXTONE_EXPECT(g > -1 && g < 1 && eta >= 1);
-    DirectionSet set;
-    set.g = g;
+/// T at the nodes that there are.
+void match_surface(DirectionSet& set, double eta) {
     set.eta = eta;
-    constexpr double most_linear = 1.0 / 3;  // mixtures are off beyond (decisions/008)
-    set.linear = std::clamp(g < 0 ? g : g / (1 + g), -most_linear, most_linear);
-    set.forward_peak = g >= 0 && g <= 0.5 ? g * g : (g - set.linear) / (1 - set.linear);
-    const double critical = critical_cosine(eta), split = critical > 0.2 ? critical : 0.5;
-    const Rule low = gauss_legendre(2, 0, split), high = gauss_legendre(2, split, 1);
-    for (std::size_t k = 0; k < 4; ++k) {
-        set.nu[k] = k < 2 ? low.x[k] : high.x[k - 2];
-        set.nu_weight[k] = k < 2 ? low.w[k] : high.w[k - 2];
-    }
+    set.nu_transmittance = {};
     const double m1 = transmitted_moment(eta, 1), m2 = transmitted_moment(eta, 2);
     set.diffuse_transmittance = 2 * m1;
     // Two unknowns on the escaping nodes match both moments; where nothing is trapped T is smooth enough as it is.
-    if (critical > 0.2) {
+    if (critical_cosine(eta) > 0.2) {
         const double a = set.nu[2] * set.nu_weight[2], b = set.nu[3] * set.nu_weight[3];
         const double determinant = a * b * (set.nu[3] - set.nu[2]);
         set.nu_transmittance[2] = (m1 * b * set.nu[3] - m2 * b) / determinant;
@@ -74,6 +62,31 @@ DirectionSet make_directions(double g, double eta) {
         }
         for (double& t : set.nu_transmittance) t = std::min(1.0, t * m1 / flux);
     }
+}
+
+}  // namespace
+
+DirectionSet under_surface(DirectionSet set, double eta) {
+    VOXTONE_EXPECT(eta >= 1);
+    match_surface(set, eta);
+    for (double& t : set.nu_transmittance) t = std::clamp(t, 0.0, 1.0);
+    return set;
+}
+
+DirectionSet make_directions(double g, double eta) {
+    VOXTONE_EXPECT(g > -1 && g < 1 && eta >= 1);
+    DirectionSet set;
+    set.g = g;
+    constexpr double most_linear = 1.0 / 3;  // mixtures are off beyond (decisions/008)
+    set.linear = std::clamp(g < 0 ? g : g / (1 + g), -most_linear, most_linear);
+    set.forward_peak = g >= 0 && g <= 0.5 ? g * g : (g - set.linear) / (1 - set.linear);
+    const double critical = critical_cosine(eta), split = critical > 0.2 ? critical : 0.5;
+    const Rule low = gauss_legendre(2, 0, split), high = gauss_legendre(2, split, 1);
+    for (std::size_t k = 0; k < 4; ++k) {
+        set.nu[k] = k < 2 ? low.x[k] : high.x[k - 2];
+        set.nu_weight[k] = k < 2 ? low.w[k] : high.w[k - 2];
+    }
+    match_surface(set, eta);
     for (std::size_t d = 0; d < 8; ++d) {
         const std::size_t k = d / 2;
         const double azimuth = (d % 2 == 0 ? 22.5 : 67.5) * std::numbers::pi / 180;

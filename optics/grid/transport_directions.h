@@ -53,6 +53,9 @@ struct DirectionSet {
 /// g in (-1, 1), eta >= 1.
 [[nodiscard]] DirectionSet make_directions(double g, double eta);
 
+/// The same directions under a surface of another index, near that which they were made for.
+[[nodiscard]] DirectionSet under_surface(DirectionSet set, double eta);
+
 /// The 32 directions that leave through a face: [signs along the face][direction]; bit 0 of the signs is set where the
 /// direction runs against the first of the two other axes, bit 1 against the second.
 struct FaceLaw {

@@ -278,7 +278,7 @@ public:
         for (std::size_t axis = 0; axis < 3; ++axis) {
             Normal n{};
             n[axis] = 1;
-            grid.laws.push_back(face_law(grid.directions, static_cast<int>(axis), n));
+            add(axis, n);
         }
     }
     [[nodiscard]] static std::uint32_t flat(std::size_t axis) { return 1 + static_cast<std::uint32_t>(axis); }
@@ -299,13 +299,31 @@ public:
             rounded[b] = static_cast<float>(key[1]) / steps;
             rounded[c] = static_cast<float>(key[2]) / steps;
             rounded[axis] = std::sqrt(std::max(1e-4f, 1 - rounded[b] * rounded[b] - rounded[c] * rounded[c]));
-            grid_.laws.push_back(face_law(grid_.directions, static_cast<int>(axis), rounded));
+            add(axis, rounded);
         }
         return found->second;
     }
+    /// After the last: all of them once more for each index that the surface may have.
+    void repeat_by_index() {
+        if (grid_.eta_step.empty()) return;
+        grid_.laws_of_one = grid_.laws.size();
+        for (std::size_t step = 0; step < eta_steps; ++step) {
+            const double t = static_cast<double>(step) / (eta_steps - 1);
+            const DirectionSet set =
+                under_surface(grid_.directions, grid_.eta_range[0] + t * (grid_.eta_range[1] - grid_.eta_range[0]));
+            grid_.laws.push_back(mirror_law());
+            for (const auto& [axis, n] : made_) grid_.laws.push_back(face_law(set, axis, n));
+        }
+    }
 
 private:
+    void add(std::size_t axis, const Normal& n) {
+        made_.emplace_back(static_cast<int>(axis), n);
+        grid_.laws.push_back(face_law(grid_.directions, static_cast<int>(axis), n));
+    }
+
     ViewingGrid& grid_;
+    std::vector<std::pair<int, Normal>> made_;  ///< all but the first
     std::map<std::array<int, 3>, std::uint32_t> known_;
 };
 
@@ -324,10 +342,33 @@ void find_face_laws(ViewingGrid& grid, const Scene& scene, const Progress* progr
         else if (face.kind != FaceKind::mirror)
             grid.law[f] = LawTable::flat(static_cast<std::size_t>(face.facing) / 2);
     }
+    laws.repeat_by_index();
     for (const std::uint32_t b : grid.transport_blocks) {
         GridBlock& block = grid.blocks[b];
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
             block.slanting |= !grid.law_of(f).flat;
+    }
+}
+
+void choose_face_indices(ViewingGrid& grid) {
+    const std::size_t n = grid.laws_of_one;
+    if (n == 0) return;
+    std::array<std::vector<std::uint32_t>, 3> first_law;  // of each mixture, towards each axis
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const Mixture& mixture : grid.mixtures) {
+            float sum = 0, share = 0;
+            for (const Holding& hold : mixture.holds) {
+                if (mixture.axis == axis && hold.layer != mixture.holds.front().layer) continue;
+                sum += hold.share * grid.eta_step[hold.material - 1u];
+                share += hold.share;
+            }
+            const auto step = share > 0 ? 1 + static_cast<std::uint32_t>(std::lround(sum / share)) : 0;
+            first_law[axis].push_back(step * static_cast<std::uint32_t>(n));
+        }
+    for (const std::uint32_t f : grid.open_faces) {
+        const OuterFace& face = grid.faces[f];
+        grid.law[f] = grid.law[f] % static_cast<std::uint32_t>(n) +
+                      first_law[static_cast<std::size_t>(face.facing) / 2][grid.medium[face.cell]];
     }
 }
 

@@ -34,4 +34,8 @@ struct ViewingFaces {
 /// Cancelled.
 void find_face_laws(ViewingGrid& grid, const Scene& scene, const Progress* progress);
 
+/// Given what the cells hold: where resins have indices of their own, the index of each face is the mean, by volume, of
+/// what lies at it (decisions/028).
+void choose_face_indices(ViewingGrid& grid);
+
 }  // namespace voxtone::optics

@@ -26,6 +26,15 @@ GridFrame::GridFrame(const Scene& scene, const Place& cell, const ViewingWindow&
       sheet(scene.sheet),
       spread(scene.spread_mm, scene.volume->pitch_mm()),
       resins(scene.resins->resins.size()) {
+    if (scene.resins->has_own_eta()) {
+        std::vector<double> eta;
+        for (const Resin& resin : scene.resins->resins) eta.push_back(scene.resins->eta_of(resin));
+        const auto [least, most] = std::minmax_element(eta.begin(), eta.end());
+        eta_range = {*least, *most};
+        for (const double of : eta)
+            eta_step.push_back(*most > *least ? static_cast<float>((of - *least) / (*most - *least) * (eta_steps - 1))
+                                              : 0.0f);
+    }
     const BlockLattice whole(size, cell);
     for (std::size_t a = 0; a < 3; ++a) {
         lattice[a] = window.end[a] - window.begin[a];

@@ -144,6 +144,10 @@ struct GridFrame {
     std::shared_ptr<const Sheet> sheet;  ///< of Backing::sheet
     LateralSpread spread;                ///< of what its cells and their parts hold; core blocks hold their own
     std::size_t resins = 0;
+    /// Where resins have indices of their own: the least and the largest, and where each resin's stands between them in
+    /// steps, 0 to eta_steps - 1; else empty.
+    std::array<double, 2> eta_range{};
+    std::vector<float> eta_step;
 
 private:
     [[nodiscard]] Place corner(const Place& at, int cells) const;
@@ -151,8 +155,11 @@ private:
 
 /// The faces of cells beyond which lies something else, and what they do to light (viewing_faces.h).
 struct GridFaces {
-    std::vector<OuterFace> faces;           ///< those of a cell in order of `Facing`
-    std::vector<FaceLaw> laws;              ///< of faces; 0 lets nothing through
+    std::vector<OuterFace> faces;  ///< those of a cell in order of `Facing`
+    std::vector<FaceLaw> laws;     ///< of faces; 0 lets nothing through
+    /// Where resins have indices of their own: so many laws at the set's index, after which they come again for each
+    /// step of index; else 0.
+    std::size_t laws_of_one = 0;
     std::vector<std::uint32_t> law;         ///< per face
     std::vector<std::uint32_t> core_faces;  ///< outer faces that lead into the core
     std::vector<std::uint32_t> open_faces;  ///< the others: to the light, a sheet or a mirror
@@ -175,6 +182,9 @@ struct Mixture {
     std::uint8_t axis = 2;       ///< along which light comes
     float apart = 0;             ///< of a part of one resin: the share of its faces behind which another one lies
 };
+
+/// Indices that the surface may have between that of one resin and that of another.
+inline constexpr std::size_t eta_steps = 9;
 
 /// Of FineBlocks::first: the block is not cut.
 inline constexpr std::uint32_t not_fine = 0xffffffffu;

@@ -109,6 +109,11 @@ public:
             mixture.sigma_t_per_mm.push_back(medium.sigma_t());
             mixture.albedo.push_back(medium.albedo());
         }
+        if (set_.has_own_eta()) {
+            mixture.eta = 0;
+            for (std::size_t r = 0; r < fractions.size(); ++r)
+                *mixture.eta += fractions[r] * set_.eta_of(set_.resins[r]);
+        }
         mixtures_.resins.push_back(std::move(mixture));
     }
     [[nodiscard]] ResinSet finish() && { return std::move(mixtures_); }

@@ -8,6 +8,7 @@
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "optics/monte_carlo/adaptive_sampling.h"
+#include "optics/monte_carlo/rough_interface.h"
 #include "optics/monte_carlo/scalar_paths.h"
 #include "optics/monte_carlo/voxel_walk.h"
 
@@ -31,6 +32,7 @@ public:
         for (const PlainLayer& layer : scene.layers) {
             VOXTONE_EXPECT(layer.thickness_mm > 0 && std::isfinite(layer.thickness_mm));
             VOXTONE_EXPECT(layer.medium.sigma_a >= 0 && layer.medium.sigma_s >= 0);
+            VOXTONE_EXPECT(layer.eta >= 1 && std::abs(layer.g.value_or(0)) < 1);
             borders_.push_back(z);
             z += layer.thickness_mm;
         }
@@ -63,7 +65,15 @@ public:
                 x += reach * d[0], y += reach * d[1], z = border;
                 const bool leaves = down ? layer + 1 == scene_.layers.size() : layer == 0;
                 if (!leaves) {
-                    layer += down ? 1 : -1;
+                    const std::size_t next = layer + (down ? 1 : -1);
+                    const double from = scene_.layers[layer].eta, to = scene_.layers[next].eta;
+                    if (cross_interface(d, from, to, 0, random)) {
+                        layer = next;
+                    } else {
+                        ++patience.meetings;
+                        if (!patience.survives(weight, random)) return {};
+                        direct = false;
+                    }
                     continue;
                 }
                 ++patience.meetings;
@@ -84,7 +94,7 @@ public:
             direct = false;
             weight *= scene_.layers[layer].medium.albedo();
             if (!survives_roulette_by_weight(weight, default_roulette_weight, random)) return {};
-            turn_henyey_greenstein(d, scene_.g, random);
+            turn_henyey_greenstein(d, scene_.layers[layer].g.value_or(scene_.g), random);
         }
     }
 

@@ -3,18 +3,20 @@
 // How far sideways light leaves a laminate from where it entered: the reference of layered profiles, by Monte
 // Carlo.
 //
-// Layers are endless, of one refractive index and one phase function; air may lie beyond smooth surfaces at the top and
-// at the bottom, or a diffuse sheet may be glued to the bottom (what it sends back is lambertian; T is what it keeps).
-// Paths enter at one point of the top from diffuse light that the surface lets in and are those of scalar_paths.h: free
-// paths by optical depth, Henyey-Greenstein, the weight times the albedo at every scattering, roulette below
-// `default_roulette_weight`. What leaves is counted by its distance in rings: as many units of 2^-32, so that the sums
-// have the same bits for any number of threads. Light that entered is 1.
+// Layers are endless, of one phase function or each of its own; where neighbours differ in index, their border, which
+// is flat, reflects and refracts as Fresnel says. Air may lie beyond smooth surfaces at the top and at the bottom, or a
+// diffuse sheet may be glued to the bottom (what it sends back is lambertian; T is what it keeps). Paths enter at one
+// point of the top from diffuse light that the surface lets in and are those of scalar_paths.h: free paths by optical
+// depth, Henyey-Greenstein, the weight times the albedo at every scattering, roulette below `default_roulette_weight`.
+// What leaves is counted by its distance in rings: as many units of 2^-32, so that the sums have the same bits for any
+// number of threads. Light that entered is 1.
 //
 // Error: noise, and light is spread evenly over its ring. Rings are reach / (16 n) wide, which takes less than 0.2 %
 // off the highest of n Hankel coefficients.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,13 +29,15 @@ namespace voxtone::optics {
 struct PlainLayer {
     Medium medium;
     double thickness_mm = 0;
+    std::optional<double> g = std::nullopt;  ///< nothing: the scene's
+    double eta = 1;                          ///< of neighbours only the ratio counts
 };
 
 /// Top first.
 struct LayerScene {
     std::vector<PlainLayer> layers;
     double g = 0.4;
-    double eta_top = 1, eta_bottom = 1;  ///< 1: index-matched, what leaves does not come back
+    double eta_top = 1, eta_bottom = 1;  ///< at the ends; 1: index-matched, what leaves does not come back
     double backing = 0;                  ///< share that a diffuse sheet in contact below sends back; needs eta_bottom 1
 };
 

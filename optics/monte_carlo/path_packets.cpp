@@ -478,7 +478,6 @@ private:
 
     /// Of the voxels that these paths are about to leave.
     HWY_NOINLINE Float eta_at_side(std::size_t row, Mask surface, const Event& e) const {
-        const Tag d;
         const IntTag di;
         const Int base = hn::Load(di, lanes_.base.data() + row), fifteen = hn::Set(di, 15);
         Int local = hn::Zero(di);

@@ -26,9 +26,16 @@ LaminateLight traced_light(const ResinSet& set, std::span<const ResinLayer> laye
     check(set, layers, ends);
     LaminateLight light;
     for (std::size_t c = 0; c < set.channels.size(); ++c) {
-        LayerScene scene{{}, set.g, ends.eta_top, ends.eta_bottom, ends.sheet};
-        for (const ResinLayer& layer : layers)
-            scene.layers.push_back({set.resins[layer.resin].medium(c), layer.thickness_mm});
+        // What is matched stays so.
+        const auto at_end = [&](double eta, const ResinLayer& layer) {
+            return eta > 1 ? set.resins[layer.resin].eta.value_or(eta) : 1;
+        };
+        LayerScene scene{
+            {}, set.g, at_end(ends.eta_top, layers.front()), at_end(ends.eta_bottom, layers.back()), ends.sheet};
+        for (const ResinLayer& layer : layers) {
+            const Resin& resin = set.resins[layer.resin];
+            scene.layers.push_back({resin.own_medium(c), layer.thickness_mm, resin.g, set.eta_of(resin)});
+        }
         const TracedProfile traced = trace_layers(scene, grid, seeded(options, c), progress);
         RingLight T = traced.T;
         for (std::size_t i = 0; i < T.light.size(); ++i) T.light[i] += traced.T_direct.light[i];

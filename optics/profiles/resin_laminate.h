@@ -3,7 +3,8 @@
 // What a laminate of resin layers reflects and transmits, channel by channel, as Hankel coefficients, by Monte Carlo of
 // the whole laminate; layer by layer in all directions: wave_laminates.h.
 //
-// The two ways share nothing but the resins: their difference is the error of both.
+// The two ways share nothing but the resins: their difference is the error of both, and what a set's own indices and
+// phase functions do, which only light paths know: at the ends and between layers.
 //
 // One unit is the light that the top let in; T is what leaves at the bottom, or what a sheet there keeps.
 #pragma once

@@ -21,13 +21,15 @@ TransportParameters::TransportParameters(const ViewingGrid& of) : grid(of) {
     volume = edge[0] * edge[1] * edge[2];
     sheet_way = static_cast<float>(way_into_sheet(grid.directions));
     sheet_T_inverse = static_cast<float>(1 / let_out_of_diffuse(grid.directions));
-    std::vector<std::uint8_t> axis(grid.laws.size(), 0);
-    for (std::size_t f = 0; f < grid.faces.size(); ++f) axis[grid.law[f]] = static_cast<std::uint8_t>(axis_of(f));
+    const std::size_t of_one = grid.laws_of_one > 0 ? grid.laws_of_one : grid.laws.size();
+    std::vector<std::uint8_t> axis(of_one, 0);
+    for (std::size_t f = 0; f < grid.faces.size(); ++f)
+        axis[grid.law[f] % of_one] = static_cast<std::uint8_t>(axis_of(f));
     sums.resize(grid.laws.size());
     for (std::size_t l = 1; l < sums.size(); ++l)
         for (const Octet& t : grid.laws[l].through)
             for (std::size_t d = 0; d < 8; ++d) {
-                const float weight = flux_weight[axis[l]].v[d];
+                const float weight = flux_weight[axis[l % of_one]].v[d];
                 sums[l].weight += weight;
                 sums[l].through += weight * t.v[d];
             }

@@ -35,7 +35,10 @@ optics::SampledBssrdfOptions tracing_of(const LaminateDatasetJob& job) {
 
 optics::ResinSet resins_of(const LaminateDatasetJob& job) {
     optics::ResinSet set = io::find_resin_set(job.resins);
-    if (job.matched) set.eta = 1;
+    if (job.matched) {
+        set.eta = 1;
+        for (optics::Resin& resin : set.resins) resin.eta.reset();
+    }
     return set;
 }
 

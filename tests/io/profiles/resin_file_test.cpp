@@ -108,7 +108,8 @@ TEST_CASE("A resin of its own g is to models of one what scatters as far, and a 
     CHECK(seen.sigma_s * (1 - set.g) == Approx(own.sigma_s * (1 - 1.0 / 3)));
     CHECK(set.resins[1].medium(0).sigma_s == set.resins[1].own_medium(0).sigma_s);
     CHECK(resin_set_text(set).find("\"eta\": 1.48") != std::string::npos);
-    CHECK(resin_set_text(optics::vero_opaque()).find("\"eta\"") == resin_set_text(optics::vero_opaque()).rfind("\"eta\""));
+    CHECK(resin_set_text(optics::vero_opaque()).find("\"eta\"") ==
+          resin_set_text(optics::vero_opaque()).rfind("\"eta\""));
     CHECK_THAT(fault("1.48", "0.9"), Contains("FILE") && Contains("`resins[1].eta`") && Contains("1 to 10"));
     CHECK_THAT(fault("\"g\": 0.333", "\"g\": 1.333"), Contains("`resins[2].g`") && Contains("-1 to 1"));
     CHECK_THAT(fault("\"g\": 0.3333333333333333", "\"g\": 1"), Contains("Y") && Contains("both excluded"));

@@ -216,10 +216,18 @@ std::pair<double, double> largest_z(const CameraPicture& picture, const Camera& 
     return {largest, largest_of_wrong};
 }
 
+/// The same, but the index and g that count are the resin's, not the set's.
+ResinSet by_its_own(ResinSet set) {
+    set.resins[0].eta = set.eta, set.resins[0].g = set.g;
+    set.eta = 1.2, set.g = -0.3;
+    set.relate();
+    return set;
+}
+
 }  // namespace
 
 TEST_CASE("in a furnace nothing is seen, smooth or rough") {
-    const Ball ball(one_resin({8, 20, 3}, {1, 1, 1}));
+    const Ball ball(by_its_own(one_resin({8, 20, 3}, {1, 1, 1})));
     const Sky sky = even_sky();
     for (const double roughness : {0.0, 0.1, 0.5})
         for (const double filter_px : {0.0, 0.5}) {
@@ -230,7 +238,7 @@ TEST_CASE("in a furnace nothing is seen, smooth or rough") {
 }
 
 TEST_CASE("the profile of a ball from its middle to its limb is that of a tracer path by path") {
-    const Ball ball(one_resin(profile_sigma, profile_albedo));
+    const Ball ball(by_its_own(one_resin(profile_sigma, profile_albedo)));
     const Sky sky = overcast_sky();
     const CameraView view = view_of_ball(24, 1);
     const CameraPicture picture = take(ball.before(view, sky), 3000);
@@ -242,7 +250,7 @@ TEST_CASE("the profile of a ball from its middle to its limb is that of a tracer
 
 TEST_CASE("a ball of optical radius 64 through which paths step in spheres looks as it does path by path") {
     const std::array<double, 3> sigma{40, 30, 20}, albedo{0.999, 0.998, 0.99};
-    const Ball ball(one_resin(sigma, albedo), 200);
+    const Ball ball(by_its_own(one_resin(sigma, albedo)), 200);
     const Sky sky = overcast_sky();
     const CameraView view = view_of_ball(6, 1);
     const CameraScene scene = ball.before(view, sky);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "optics/monte_carlo/monte_carlo.h"
+#include "optics/profiles/resin_laminate.h"
 #include "tests/optics/transport/slab_scene.h"
 
 using namespace voxtone;
@@ -91,4 +92,29 @@ TEST_CASE("from 45 degrees to the normal a resin's own index and g are as if the
     };
     CHECK(seen(own) == seen(of_set));
     CHECK(seen(own) != seen(vero_opaque()));
+}
+
+TEST_CASE("layers of their own index and g refract at their flat borders as a tracer has it that shares no line") {
+    ResinSet set = vero_opaque();
+    set.resins.resize(2);
+    set.resins[0].sigma_t_per_mm = {6, 12, 2}, set.resins[0].albedo = {0.97, 0.6, 0.995};
+    set.resins[1].sigma_t_per_mm = {3, 5, 20}, set.resins[1].albedo = {0.9, 0.98, 0.5};
+    set.resins[0].eta = 1.3, set.resins[0].g = 0, set.resins[1].eta = 1.8, set.resins[1].g = 0.7;
+    set.relate();
+    const std::vector<ResinLayer> layers{{1, 0.2}, {0, 0.3}};
+    const auto farthest = [&] {
+        // What leaves on both sides, index_tracer (benchmarks/optics/monte_carlo), faces: 1.2e6 paths a channel.
+        constexpr std::array<double, 3> truth{0.60066, 0.18285, 0.03484}, of_truth{2.8e-4, 2.7e-4, 1.2e-4};
+        const LaminateLight traced = traced_light(set, layers, {1.5, 1.5, 0}, HankelGrid(8, 4), {1 << 17, 5});
+        double most = 0;
+        for (std::size_t c = 0; c < 3; ++c)
+            most = std::max(most, std::abs(traced.R[c][0] + traced.T[c][0] - truth[c]) /
+                                      std::hypot(of_truth[c], traced.R_error[c], traced.T_error[c]));
+        return most;
+    };
+    CHECK(farthest() < 4);
+    set.resins[1].g = 0.4;
+    CHECK(farthest() > 4);
+    set.resins[1].g = 0.7, set.resins[0].eta = 1.8;
+    CHECK(farthest() > 4);
 }
