@@ -203,6 +203,33 @@ TEST_CASE("A print that is as the open loop was, or a little worse in a region, 
     CHECK(measure(print(0.5f), open.looks).score - measure(print(0.5f), {}).score > bad - bad_alone);
 }
 
+TEST_CASE("Cells of a body touch on all sides, whichever of them comes first", "[loop]") {
+    // In order of z, y, x: the first lies neither lowest nor highest along y, and rows have gaps.
+    optics::Surface surface;
+    for (const std::array<std::int32_t, 3>& at : std::vector<std::array<std::int32_t, 3>>{
+             {5, 4, 2}, {6, 4, 2}, {5, 2, 3}, {4, 3, 3}, {7, 3, 3}, {6, 5, 3}, {5, 3, 4}, {5, 6, 4}}) {
+        surface.cells.emplace_back();
+        surface.cells.back().cell = at, surface.cells.back().normal = {0, 0, 1};
+    }
+    const CellNeighbours neighbours(surface);
+    for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+        std::vector<std::size_t> found, touching;
+        neighbours.visit_around(i, [&](std::size_t cell) { found.push_back(cell); });
+        for (std::size_t j = 0; j < surface.cells.size(); ++j) {
+            int steps = 0;
+            for (std::size_t a = 0; a < 3; ++a)
+                steps = std::max(steps, std::abs(surface.cells[i].cell[a] - surface.cells[j].cell[a]));
+            if (steps <= 1) touching.push_back(j);
+        }
+        INFO("cell " << i);
+        CHECK(found == touching);
+    }
+    ColourRegion first;
+    first.cells = {0};
+    CHECK(neighbours.around(first, 1) == std::vector<std::uint32_t>{1, 3, 5});
+    CHECK(neighbours.around(first, 2) == std::vector<std::uint32_t>{1, 2, 3, 4, 5, 6, 7});
+}
+
 TEST_CASE("A rim of another hue is told, a darker one is not", "[loop]") {
     const optics::Surface surface = test::flat_surface(n, n, cell_mm);
     const Colours target = card();

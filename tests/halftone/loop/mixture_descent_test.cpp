@@ -63,6 +63,31 @@ TEST_CASE("What cells do each for itself only passes resin on", "[loop]") {
     CHECK(amount == Approx(0.1).epsilon(1e-4));
 }
 
+TEST_CASE("Cells that want the same go equally fast, each resin and what is their own at a rate of its own", "[loop]") {
+    constexpr std::size_t cells = 5, resins = 3, rates = resins + 1;
+    SkinMixtures start(cells, 1, resins);
+    for (std::size_t c = 0; c < cells; ++c) start.cell(c)[0] = 0.2f, start.cell(c)[1] = 0.3f, start.cell(c)[2] = 0.5f;
+    DescentState state = begin_descent(start, {});
+    // Half of a step is shared. Resin 0 is wanted steadily, resin 1 more and less in turns.
+    const CellSmoothing half = [](std::vector<Eigen::Vector3f>& values) {
+        for (Eigen::Vector3f& v : values) v *= 0.5f;
+    };
+    REQUIRE(state.rate.size() == cells * rates);
+    for (int step = 0; step < 6; ++step) {
+        std::vector<float> gradient(cells * resins, 0.0f);
+        for (std::size_t c = 0; c < cells; ++c)
+            gradient[c * resins] = -1, gradient[c * resins + 1] = step % 2 ? 0.8f : -0.8f;
+        descend(gradient, half, state);
+    }
+    for (std::size_t c = 1; c < cells; ++c)
+        for (std::size_t part = 0; part < rates; ++part) {
+            INFO("cell " << c << ", part " << part);
+            CHECK(state.rate[c * rates + part] == state.rate[part]);
+        }
+    CHECK(state.rate[0] != state.rate[1]);
+    CHECK(state.rate[0] != state.rate[resins]);
+}
+
 TEST_CASE("Cells that share their light do not overshoot together", "[loop]") {
     // What a cell shows: 5 times the mean ink of all and 0.2 times its own. Steps that suit the cells overshoot 25
     // times.
