@@ -186,11 +186,11 @@ JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progres
         white = parts_.shape(static_cast<optics::Material>(white_resin + 1), job_.options.prediction.memory_bytes / 2,
                              progress);
     }
-    const bool looped = loop_ && !loop_->reread;
-    const WhiteTwin twin{white ? &*white : nullptr,
-                         looped && sees_as_the_loop() ? &loop_->result.state.white : nullptr};
-    JobPrediction prediction = predict_print(job_.options, prediction_plan_.model, body_, job_.resins,
-                                             std::move(volume), looped ? &loop_->cells->seen : nullptr, twin, progress);
+    // However the loop came here: a print's shards merged say what the whole says.
+    const WhiteTwin twin{white ? &*white : nullptr, loop_ && sees_as_the_loop() ? &loop_->result.state.white : nullptr};
+    JobPrediction prediction =
+        predict_print(job_.options, prediction_plan_.model, body_, job_.resins, std::move(volume),
+                      loop_ && !loop_->reread ? &loop_->cells->seen : nullptr, twin, progress);
     if (loop_) prediction.open_loop = loop_->result.state.open;
     return prediction;
 }

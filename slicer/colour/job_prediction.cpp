@@ -152,7 +152,9 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
         prediction.predicted =
             averaged(predicted_on(std::move(eye), {white.print}), std::move(cells.surface), seen_part(body));
     } else {
-        prediction.predicted = predicted_on(std::move(cells.surface), white);
+        // A loop that was read back saw the body as it was made ready then: in these cells, or its white is of no use.
+        const bool fits = white.seen && white.seen->size() == cells.surface.cells.size() * resins.set.channels.size();
+        prediction.predicted = predicted_on(std::move(cells.surface), {white.print, fits ? white.seen : nullptr});
     }
     prediction.difference = colour_differences(prediction.target, prediction.predicted.rgb);
     prediction.summary = summarize_by_area(prediction.predicted.surface, prediction.difference);

@@ -28,6 +28,7 @@ SavedSkin some_skin(std::size_t cells) {
     skin.result.state.steps.resize(3);
     skin.result.state.best = 2;
     skin.result.state.open = skin.result.state.shown = skin.target;
+    for (std::size_t i = 0; i < 4 * cells; ++i) skin.result.state.white.push_back(0.5f + 0.001f * float(i));
     skin.result.in_gamut.assign(cells, 1);
     skin.result.why_stopped = "it was asked for";
     skin.result.remarks = {"a remark"};
@@ -58,6 +59,7 @@ TEST_CASE("What the loop came to comes back as it was, for its own job alone", "
     CHECK(back.target == skin.target);
     CHECK(back.result.state.best == 2);
     CHECK(back.result.remarks == skin.result.remarks);
+    CHECK(back.result.state.white == skin.result.state.white);
     REQUIRE(back.mixtures.size() == skin.mixtures.size());
     for (std::size_t i = 0; i < skin.mixtures.size(); ++i) CHECK(back.mixtures[i].bound == skin.mixtures[i].bound);
     CHECK(file.is_of_this_job());
@@ -120,7 +122,9 @@ TEST_CASE("What a loop came to whose lists do not fit each other is broken, thou
     };
     CHECK(is_read([](SavedSkin&) {}));
     CHECK(is_read([](SavedSkin& s) { s.mixtures.clear(); }));
+    CHECK(is_read([](SavedSkin& s) { s.result.state.white.clear(); }));
     CHECK_FALSE(is_read([](SavedSkin& s) { s.mixtures.pop_back(); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.result.state.white.pop_back(); }));
     CHECK_FALSE(is_read([](SavedSkin& s) { s.target.pop_back(); }));
     CHECK_FALSE(is_read([](SavedSkin& s) { s.result.state.open.pop_back(); }));
     CHECK_FALSE(is_read([](SavedSkin& s) { s.result.state.shown.pop_back(); }));
