@@ -96,15 +96,17 @@ bool is_still_named(int file, const fs::path& path) {
 
 }  // namespace
 
-// Field 22 of /proc/PID/stat; the name before it may hold anything but ends with the
-// last parenthesis.
+// Field 22 of /proc/PID/stat; the name before the third, the state, may hold anything but ends with the last
+// parenthesis.
 std::uint64_t start_of_process(pid_t pid) {
     std::ifstream file(fmt::format("/proc/{}/stat", pid));
     std::string text;
     std::getline(file, text);
     std::istringstream fields(text.substr(std::min(text.rfind(')') + 1, text.size())));
     std::string skipped;
-    constexpr int fields_between = 19;  // from the state to the start time
+    fields >> skipped;
+    if (skipped == "Z" || skipped == "X") return 0;
+    constexpr int fields_between = 18;  // from the state to the start time
     for (int i = 0; i < fields_between; ++i) fields >> skipped;
     std::uint64_t start = 0;
     fields >> start;

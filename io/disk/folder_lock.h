@@ -31,7 +31,8 @@ inline constexpr std::string_view lock_name = ".voxtone-lock";
 [[nodiscard]] const std::string& process_space();
 
 /// When a process of this host began, in the kernel's ticks since the machine started: tells it from a later one of the
-/// same number. 0: there is none of that number.
+/// same number. 0: there is none of that number, or it has ended and nobody has asked how: what is killed in a
+/// container whose first process waits for none stays on the list.
 [[nodiscard]] std::uint64_t start_of_process(pid_t pid);
 
 /// Another process holds it.

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "io/disk/disk_space.h"
+#include "io/disk/part_files.h"
 #include "io/files/whole_file.h"
 #include "io/files/xxh64.h"
 
@@ -96,6 +97,7 @@ Artefact::Content Artefact::read(std::span<const ArtefactKey> ours) const {
 }
 
 void Artefact::write(const ArtefactKey& key, const Put& put) const {
+    io::sweep_parts_of(file_);
     const std::filesystem::path part = io::part_path(file_);
     const std::unique_ptr<std::FILE, CloseArtefact> out(std::fopen(part.c_str(), "wbe"));
     if (!out) io::fail_to_write(file_, "cannot be created", errno);

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/disk/part_files.h"
 #include "io/files/xxh64.h"
 #include "io/layers/stack_folder.h"
 
@@ -156,6 +157,7 @@ std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) co
 void LoopCheckpoint::remove_from(const std::filesystem::path& folder) {
     std::error_code not_there;
     std::filesystem::remove(folder / io::checkpoint_name, not_there);
+    io::sweep_parts_of(folder / io::checkpoint_name);
 }
 
 }  // namespace voxtone::slicer

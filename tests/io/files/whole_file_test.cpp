@@ -187,6 +187,24 @@ TEST_CASE("temporary names say whose they are, and what a killed job left is swe
     for (const fs::path& kept : {locked, living, container_s, elsewhere, other, file}) CHECK(fs::exists(kept));
 }
 
+TEST_CASE("what a process left that has ended is swept, though nobody has asked how it ended", "[whole-file]") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "a.png";
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        std::ofstream(part_path(file)) << "half";
+        _exit(0);
+    }
+    siginfo_t about{};
+    REQUIRE(waitid(P_PID, id_t(child), &about, WEXITED | WNOWAIT) == 0);
+    CHECK(start_of_process(child) == 0);
+    CHECK(files_in(folder.path()) == 1);
+    write_whole_file(file, std::string_view("whole"));
+    CHECK(files_in(folder.path()) == 1);
+    REQUIRE(waitpid(child, nullptr, 0) == child);
+}
+
 TEST_CASE("two containers with one host name and one process number write under two names", "[whole-file]") {
     // Another start of process 1, and the same process number in another space.
     const TemporaryFolder folder;

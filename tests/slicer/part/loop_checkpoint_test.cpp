@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -146,6 +149,30 @@ TEST_CASE("A state that has no room says why, and leaves nothing half-written", 
     const LoopCheckpoint nowhere(folder.path() / "not-there", opened_job, a_job, target);
     CHECK_THROWS_WITH(save(nowhere, some_state(6)), Catch::Contains("No such file") && !Catch::Contains("disk"));
     CHECK_FALSE(checkpoint.exists());
+}
+
+TEST_CASE("What a killed process left of a state goes with the next state, and with the saved loop", "[loop]") {
+    const io::TemporaryFolder folder;
+    const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
+    const LoopCheckpoint checkpoint(folder.path(), opened_job, a_job, target);
+    const auto die_writing = [&] {
+        const pid_t child = fork();
+        REQUIRE(child >= 0);
+        if (child == 0) {
+            std::ofstream(io::part_path(checkpoint.file())) << "half";
+            _exit(0);
+        }
+        REQUIRE(waitpid(child, nullptr, 0) == child);
+    };
+    const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder.path()), {}); };
+    die_writing();
+    REQUIRE(files() == 1);
+    save(checkpoint, some_state(6));
+    CHECK(files() == 1);
+    die_writing();
+    REQUIRE(files() == 2);
+    LoopCheckpoint::remove_from(folder.path());
+    CHECK(files() == 0);
 }
 
 TEST_CASE("A state of another job or a broken file is refused", "[loop]") {
