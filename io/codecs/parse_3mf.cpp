@@ -67,6 +67,7 @@ struct Corner {
     Eigen::Vector4f rgba = Eigen::Vector4f::Ones();  // linear; what lies under the texture, if there is one
     Eigen::Vector2f uv = Eigen::Vector2f::Zero();
     std::uint32_t texture = no_property;  // texture2d on top of the colour
+    bool alpha_of_lengths = false;
 };
 
 class ThreemfParser {
@@ -421,6 +422,17 @@ private:
         if (corner[0].rgba != Eigen::Vector4f::Ones() || corner[1].rgba != Eigen::Vector4f::Ones() ||
             corner[2].rgba != Eigen::Vector4f::Ones())
             parts_.set_rgba(t, {corner[0].rgba, corner[1].rgba, corner[2].rgba});
+        if (corner[0].alpha_of_lengths) parts_.material_of_triangle[t] = clear_material();
+    }
+
+    /// Colours that light goes through: how far, lengths of the file say.
+    std::uint32_t clear_material() {
+        if (clear_material_ == no_property) {
+            clear_material_ = static_cast<std::uint32_t>(parts_.materials.size());
+            PartMaterial& material = parts_.materials.emplace_back();
+            material.name = "(clear colours)", material.alpha_of_lengths = true;
+        }
+        return clear_material_;
     }
 
     /// Layers of a multiproperty over a triangle, from the bottom up.
@@ -573,7 +585,7 @@ private:
             case Kind::colours:
                 check(group.rgba.size());
                 corner.rgba = to_linear(group.rgba[p]);
-                if (context_.options().keep_alpha) corner.rgba.w() *= alpha_of_display(part, group, p);
+                if (context_.options().keep_alpha) take_alpha_of_display(part, group, p, corner);
                 break;
             case Kind::texture:
                 check(group.uv.size());
@@ -596,18 +608,20 @@ private:
         return corner;
     }
 
-    /// Translucency alpha of a material that light goes through, 1 of others. The file says what is lost of a beam,
-    /// absorbed or scattered: what all colours lose alike is taken for scattered, the rest for absorbed.
-    static float alpha_of_display(const ThreemfPart& part, const ThreemfGroup& group, std::uint32_t p) {
+    /// Translucency alpha of a material that light goes through. The file says what is lost of a beam, absorbed or
+    /// scattered: what all colours lose alike is taken for scattered, the rest for absorbed.
+    static void take_alpha_of_display(const ThreemfPart& part, const ThreemfGroup& group, std::uint32_t p,
+                                      Corner& corner) {
         const auto display = part.groups.find(group.display);
-        if (display == part.groups.end() || p >= display->second.attenuation.size()) return 1;
+        if (display == part.groups.end() || p >= display->second.attenuation.size()) return;
         const std::vector<double>& per_m = display->second.attenuation[p];
         if (per_m.size() != 3 || !std::ranges::all_of(per_m, [](double a) { return a >= 0 && std::isfinite(a); }))
-            return 1;
+            return;
         constexpr double cm_per_m = 100;
         const double mean = (per_m[0] + per_m[1] + per_m[2]) / 3, alike = std::ranges::min(per_m);
-        return static_cast<float>(
+        corner.rgba.w() *= static_cast<float>(
             optics::translucency_alpha(optics::translucency_eta((mean - alike) / cm_per_m, alike / cm_per_m)));
+        corner.alpha_of_lengths = true;
     }
 
     /// The display colours of a composite, mixed by their shares in linear light.
@@ -697,6 +711,7 @@ private:
     ModelParts parts_;
     std::map<std::string, ThreemfPart> model_parts_;
     std::map<std::tuple<std::string, std::uint32_t, std::array<float, 4>>, std::uint32_t> materials_;
+    std::uint32_t clear_material_ = no_property;
     std::map<std::string, std::int32_t> pictures_;  // by path
     TextureBaker baker_;
     std::vector<std::pair<std::size_t, TextureBaker::Patch>> baked_;  // triangles and their patches

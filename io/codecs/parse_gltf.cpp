@@ -446,6 +446,7 @@ private:
         const Eigen::Vector3f depth = -material.tint.cwiseMax(least).array().log();
         const double absorbed_per_cm = double(depth.mean()) / (100 * distance_m);
         material.within = static_cast<float>(optics::translucency_alpha(optics::translucency_eta(absorbed_per_cm, 0)));
+        material.alpha_of_lengths = true;
     }
 
     /// What of the surface lets light through, by place: one set of coordinates serves both pictures.

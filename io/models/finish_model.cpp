@@ -257,6 +257,7 @@ private:
             SurfaceMaterial material;
             material.name = part.name, material.rgb = part.rgb;
             if (keeps_alpha(variant)) {
+                material.alpha_of_lengths = part.alpha_of_lengths;
                 if (!part.opaque) material.alpha = std::clamp(part.alpha, 0.0f, 1.0f);
                 if (part.through > 0 && part.through_image < 0) {
                     material.alpha *= 1 - part.through * (1 - part.within);

@@ -28,6 +28,8 @@ struct SurfaceMaterial {
     std::shared_ptr<const Texture> texture;         ///< null: none
     float alpha = 1;                                ///< where it is kept
     std::shared_ptr<const Texture> alpha_texture;   ///< where it is kept: in each channel; null: 1 everywhere
+    bool alpha_of_lengths = false;                  ///< the file says how far light gets, in its own unit
+    double times_as_large = 1;                      ///< ... in a body printed so: it is to look as in the file
 };
 
 struct TexturedMesh {

@@ -13,7 +13,7 @@ template <class Stream, class Material>
 requires std::is_same_v<std::remove_const_t<Material>, PartMaterial>
 void describe(Stream& stream, Material& m) {
     stream(m.name, m.rgb, m.alpha, m.opaque, m.under, m.image, m.wrap_u, m.wrap_v, m.nearest, m.glass, m.through,
-           m.through_image, m.within, m.tint);
+           m.through_image, m.within, m.alpha_of_lengths, m.tint);
 }
 
 template <class Stream, class File>

@@ -36,6 +36,7 @@ struct PartMaterial {
     float through = 0;   ///< what share of it, unscattered, where the format says so; in [0, 1]
     std::int32_t through_image = -1;  ///< times its red, at the coordinates of `image`; read where alpha is kept
     float within = 0;                 ///< translucency alpha of what that light goes through
+    bool alpha_of_lengths = false;    ///< alpha comes of how far light gets in the body, a length of the file
     Eigen::Vector3f tint = Eigen::Vector3f::Ones();  ///< that it takes on there, linear
 };
 

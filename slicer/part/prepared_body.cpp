@@ -98,7 +98,7 @@ void put_materials(PackedWriter& to, const std::vector<io::SurfaceMaterial>& mat
         to(pyramid->levels(), pyramid->texels().srgb8, pyramid->texels().linear16);
     to(std::uint64_t{materials.size()});
     for (const io::SurfaceMaterial& material : materials) {
-        to(material.name, material.rgb, material.alpha);
+        to(material.name, material.rgb, material.alpha, material.alpha_of_lengths, material.times_as_large);
         for (const auto& texture : {material.texture, material.alpha_texture}) {
             to(texture != nullptr);
             if (texture)
@@ -132,7 +132,7 @@ std::vector<io::SurfaceMaterial> materials_from(PackedReader& from) {
     std::vector<io::SurfaceMaterial> materials;
     for (std::uint64_t i = 0; i < count; ++i) {
         io::SurfaceMaterial& material = materials.emplace_back();
-        from(material.name, material.rgb, material.alpha);
+        from(material.name, material.rgb, material.alpha, material.alpha_of_lengths, material.times_as_large);
         for (auto* texture : {&material.texture, &material.alpha_texture}) {
             bool has_texture = false;
             from(has_texture);

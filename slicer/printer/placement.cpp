@@ -102,6 +102,20 @@ std::string units_that_fit(const Eigen::Vector3d& size_mm, const Eigen::Vector3d
                                  size_options(placement, would_fit_turned(size_mm, tray_mm))));
 }
 
+/// Lengths that light goes in a body are scaled with it. What is said of that, or nothing.
+std::string keep_look(io::ModelFile& model, double mm_per_unit) {
+    const double times = model.mm_per_file_unit > 0 ? mm_per_unit / model.mm_per_file_unit : 1;
+    constexpr double rounding = 1e-9;
+    if (std::abs(times - 1) < rounding) return {};
+    bool any = false;
+    for (io::SurfaceMaterial& material : model.mesh.materials) {
+        if (!material.alpha_of_lengths) continue;
+        material.times_as_large = times;
+        any = true;
+    }
+    return any ? fmt::format("; what light goes through keeps its look at {:.3g} times the file's size", times) : "";
+}
+
 }  // namespace
 
 Placement place(io::ModelFile& model, const PlacementOptions& options, const std::string& name) {
@@ -134,6 +148,7 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
     const double factor = options.size_mm > 0 ? options.size_mm / largest : 1.0;
     for (Eigen::Vector3d& position : mesh.positions) position = (position - box.min()) * factor;
     placement.extent_mm = box.sizes() * factor;
+    const std::string kept_look = keep_look(model, placement.mm_per_file_unit * options.scale * factor);
     placement.is_scaled = options.size_mm > 0;
     placement.corner_mm = box.min() * factor;
 
@@ -142,8 +157,8 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
                              : options.unit            ? fmt::format("{} as asked", options.unit->name)
                                                        : fmt::format("{} mm by the file", placement.mm_per_file_unit);
     placement.summary =
-        fmt::format("unit: {}; size {}{}", unit, extent_text(placement.extent_mm),
-                    options.size_mm > 0 ? fmt::format(" (scaled to {} mm)", plain_mm(options.size_mm)) : "");
+        fmt::format("unit: {}; size {}{}{}", unit, extent_text(placement.extent_mm),
+                    options.size_mm > 0 ? fmt::format(" (scaled to {} mm)", plain_mm(options.size_mm)) : "", kept_look);
     return placement;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "io/pictures/texture.h"
+#include "optics/layered/translucency_alpha.h"
 
 namespace voxtone::slicer {
 
@@ -78,6 +79,10 @@ float SurfaceColour::alpha_at(std::uint32_t triangle, float u, float v) const {
         const auto& [a, b, c] = mesh_.corner_uv[triangle];
         const Eigen::Vector2f uv = a + u * (b - a) + v * (c - a);
         alpha *= material.alpha_texture->sample(uv.x(), uv.y(), lod_[triangle]).x();
+    }
+    if (material.times_as_large != 1) {
+        const double eta = optics::translucency_eta_per_cm(std::clamp(double(alpha), 0.0, 1.0));
+        alpha = static_cast<float>(optics::translucency_alpha(eta / material.times_as_large));
     }
     for_each_decal(triangle, u, v,
                    [&](std::size_t, const Eigen::Vector4f& over) { alpha = over[3] + (1 - over[3]) * alpha; });

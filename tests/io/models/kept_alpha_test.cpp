@@ -177,6 +177,8 @@ TEST_CASE("glTF's transmission counts by its picture, and a volume by what it ab
     const ModelFile even = read(model("", R"("transmissionFactor":1)", volume), true);
     CHECK(even.has_colour);
     CHECK(even.mesh.materials.at(0).alpha == Approx(within).epsilon(1e-4));
+    CHECK(even.mesh.materials.at(0).alpha_of_lengths);
+    CHECK_FALSE(read(model("", R"("transmissionFactor":1)", ""), true).mesh.materials.at(0).alpha_of_lengths);
     CHECK(near(test::corner_colour(even.mesh, 0, 0), {0.5f, 1, 0.25f}));
     // Without the option nothing is looked at, and glass is lost as ever.
     const ModelFile white = read(model("", through, volume), false);
@@ -212,6 +214,7 @@ TEST_CASE("3MF's translucent materials have the alpha of what a beam loses in th
     CHECK(wine.mesh.corner_alpha[0][0] == Approx(alpha(1 + 0.4 * 5)));
     CHECK(wine.mesh.corner_alpha[1][2] == Approx(alpha(25)));
     CHECK(near(test::corner_colour(wine.mesh, 0, 0), {1, 0, 0}));
+    CHECK(wine.mesh.materials.at(wine.mesh.material_of_triangle[0]).alpha_of_lengths);
     CHECK(wine.lost_colour.empty());
     CHECK(read("-1 2 3", true).mesh.corner_alpha[0][0] == 1);
     const ModelFile opaque = read("100 700 1000", false);

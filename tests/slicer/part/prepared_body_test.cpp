@@ -132,7 +132,7 @@ TEST_CASE("Meshes, marks, files and repairs of a prepared body come back, each l
     JobBody body = body_with_texture();
     io::TexturedMesh& mesh = body.model.mesh;
     mesh.materials[0].alpha = 0.75f;
-    mesh.materials.push_back({"plain", Eigen::Vector3f(0, 1, 0), nullptr, 0.5f, mesh.materials[0].texture});
+    mesh.materials.push_back({"plain", Eigen::Vector3f(0, 1, 0), nullptr, 0.5f, mesh.materials[0].texture, true, 0.25});
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
     mesh.triangles = {{0, 2, 1}, {0, 1, 3}};
     mesh.material_of_triangle = {1, 0};
@@ -173,6 +173,7 @@ TEST_CASE("Meshes, marks, files and repairs of a prepared body come back, each l
     CHECK(is.material_of_triangle == mesh.material_of_triangle);
     CHECK((is.corner_uv == mesh.corner_uv && is.corner_rgb == mesh.corner_rgb && is.corner_alpha == mesh.corner_alpha));
     REQUIRE(is.materials.size() == 2);
+    CHECK((is.materials[1].alpha_of_lengths && is.materials[1].times_as_large == 0.25));
     CHECK((is.materials[0].texture && !is.materials[0].alpha_texture && is.materials[0].alpha == 0.75f));
     CHECK((!is.materials[1].texture && is.materials[1].alpha_texture && is.materials[1].name == "plain"));
     // A picture that two materials share is there once.
@@ -219,9 +220,10 @@ TEST_CASE("A prepared body whose parts do not fit together is made anew, though 
     const fs::path file = io::prepared_file(folder.path(), this_job);
     const Bytes whole = io::read_whole_file(file, 1 << 20);
 
-    // Behind the material's name, its colour, its alpha, and that it has a texture: which one.
+    // Behind the material's name, its colour, its alpha with what it comes of, and that it has a texture: which one.
     const std::size_t name = place_of(whole, std::vector<char>{'g', 'l', 'a', 'z', 'e'});
-    const std::size_t number = name + 5 + sizeof(Eigen::Vector3f) + sizeof(float) + sizeof(bool);
+    const std::size_t number =
+        name + 5 + sizeof(Eigen::Vector3f) + sizeof(float) + sizeof(bool) + sizeof(double) + sizeof(bool);
     forge(file, whole, number, std::uint32_t{0});
     CHECK(read_prepared(folder.path(), this_job));
     forge(file, whole, number, std::uint32_t{1});

@@ -112,11 +112,31 @@ TEST_CASE("A size makes the largest extent so long and moves the model to the or
     CHECK(model.mesh.positions[3].isApprox(Eigen::Vector3d(0, 0, 60)));
 }
 
+TEST_CASE("What light goes through keeps its look in a body of another size than its file's, where that has a unit") {
+    const auto of_lengths = [](double mm_per_file_unit) {
+        io::ModelFile model = marker();
+        model.mm_per_file_unit = mm_per_file_unit;
+        model.mesh.materials.emplace_back().alpha_of_lengths = true;
+        return model;
+    };
+    const std::string said = "keeps its look at ";
+    io::ModelFile metres = of_lengths(1000), as_mm = metres, same = metres, no_unit = of_lengths(0);
+    CHECK_THAT(placed(metres, [](PlacementOptions& o) { o.size_mm = 60, o.scale = 5; }).summary,
+               Contains(said + "0.02 times"));
+    CHECK(metres.mesh.materials.back().times_as_large == Catch::Detail::Approx(0.02));
+    CHECK(metres.mesh.materials.front().times_as_large == 1);
+    placed(as_mm, [](PlacementOptions& o) { o.unit = FileUnit{"mm", 1}, o.scale = 2; });
+    CHECK(as_mm.mesh.materials.back().times_as_large == Catch::Detail::Approx(0.002));
+    CHECK_THAT(placed(same).summary, !Contains(said));
+    placed(no_unit, [](PlacementOptions& o) { o.size_mm = 60; });
+    CHECK((same.mesh.materials.back().times_as_large == 1 && no_unit.mesh.materials.back().times_as_large == 1));
+}
+
 TEST_CASE("Mirrors move the marker's legs and keep the body right side out") {
     const auto corner_of_right_angle = [](const std::function<void(PlacementOptions&)>& change) {
         io::ModelFile model = marker();
         placed(model, change);
-        CHECK(signed_volume(model.mesh) == Approx(1));
+        CHECK(signed_volume(model.mesh) == Catch::Detail::Approx(1));
         return model.mesh.positions[0];
     };
     CHECK(corner_of_right_angle([](PlacementOptions&) {}) == Eigen::Vector3d(0, 0, 0));
@@ -125,7 +145,7 @@ TEST_CASE("Mirrors move the marker's legs and keep the body right side out") {
     CHECK(corner_of_right_angle([](PlacementOptions& o) { o.flip_x = o.flip_y = true; }) == Eigen::Vector3d(1, 2, 0));
     io::ModelFile swapped = marker();
     CHECK(placed(swapped, [](PlacementOptions& o) { o.swap_xy = true; }).extent_mm == Eigen::Vector3d(2, 1, 3));
-    CHECK(signed_volume(swapped.mesh) == Approx(1));
+    CHECK(signed_volume(swapped.mesh) == Catch::Detail::Approx(1));
 }
 
 TEST_CASE("However the marker is turned and mirrored, each place keeps its texture and its colour") {
@@ -147,7 +167,7 @@ TEST_CASE("However the marker is turned and mirrored, each place keeps its textu
         for (const Eigen::Vector3d& p : file.mesh.positions) box.extend(map * p);
         for (std::size_t v = 0; v < file.mesh.positions.size(); ++v)
             CHECK((model.mesh.positions[v] - (map * file.mesh.positions[v] - box.min())).norm() < 1e-12);
-        CHECK(signed_volume(model.mesh) == Approx(1));
+        CHECK(signed_volume(model.mesh) == Catch::Detail::Approx(1));
         for (const auto& triangle : model.mesh.triangles)
             for (const Eigen::Vector3d& weight :
                  {Eigen::Vector3d(0.6, 0.3, 0.1), Eigen::Vector3d(0.1, 0.2, 0.7), Eigen::Vector3d(0.2, 0.7, 0.1)}) {
@@ -169,7 +189,7 @@ TEST_CASE("A grid is as large as its box to the nearest voxel, centred, and hold
     CHECK(grid.origin_mm.norm() < 1e-9);
     const VoxelGrid flat = grid_around({1, 1, 1}, {1, 2, 2}, pitch);
     CHECK(flat.size[0] == 1);
-    CHECK(flat.centre(0, 0, 0).x() == Approx(1));
+    CHECK(flat.centre(0, 0, 0).x() == Catch::Detail::Approx(1));
     double longer_mm = 0;
     RandomStream random(7, 0);
     for (int n = 0; n < 1000; ++n) {
@@ -179,7 +199,7 @@ TEST_CASE("A grid is as large as its box to the nearest voxel, centred, and hold
         for (int axis = 0; axis < 3; ++axis) {
             const double more_mm = around.size[std::size_t(axis)] * pitch[axis] - (high - low)[axis];
             CHECK(std::abs(more_mm) <= pitch[axis] / 2 + 1e-6);
-            CHECK(around.origin_mm[axis] == Approx(low[axis] - more_mm / 2).margin(1e-9));
+            CHECK(around.origin_mm[axis] == Catch::Detail::Approx(low[axis] - more_mm / 2).margin(1e-9));
             // The centres next to the grid.
             CHECK(around.origin_mm[axis] - pitch[axis] / 2 < low[axis]);
             CHECK(around.origin_mm[axis] + (around.size[std::size_t(axis)] + 0.5) * pitch[axis] > high[axis]);

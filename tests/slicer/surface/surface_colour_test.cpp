@@ -95,6 +95,19 @@ TEST_CASE("Corner colours are interpolated by their own weights, and multiply th
     CHECK((colour.at(1, 0.2f, 0.5f) - Vector3f(corners.x(), 0.5f * corners.y(), 0.25f * corners.z())).norm() < 1e-6f);
 }
 
+TEST_CASE("A material that absorbs has the alpha of one that absorbs as much along the smaller body") {
+    io::TexturedMesh mesh = square(2);
+    const auto of_absorber = [](double per_cm) { return float(std::pow(1 - std::exp(-0.0153 * 0.4 * per_cm), 0.6)); };
+    mesh.materials[0].alpha = of_absorber(3);
+    mesh.materials[0].times_as_large = 0.1;
+    CHECK(std::abs(SurfaceColour(mesh, 0.1).alpha_at(0, 0.2f, 0.5f) - of_absorber(30)) < 1e-6f);
+    mesh.corner_alpha = {{1, 1, 1}, {0, 0, 0}};
+    CHECK(std::abs(SurfaceColour(mesh, 0.1).alpha_at(0, 0.2f, 0.5f) - of_absorber(30)) < 1e-6f);
+    CHECK(SurfaceColour(mesh, 0.1).alpha_at(1, 0.2f, 0.5f) == 0);
+    mesh.materials[0].alpha = 1, mesh.corner_alpha.clear(), mesh.materials[0].times_as_large = 1000;
+    CHECK(SurfaceColour(mesh, 0.1).alpha_at(0, 0.2f, 0.5f) == 1);
+}
+
 TEST_CASE("A surface has one colour where every corner of every material shows it") {
     io::TexturedMesh mesh = square(1);
     CHECK(SurfaceColour(mesh, 0.1).constant());
