@@ -390,12 +390,28 @@ private:
         material.image = read_image(source);
     }
 
-    /// That light goes through: KHR_materials_transmission, or KHR_materials_diffuse_transmission. A volume
-    /// (KHR_materials_volume) says how far, and does nothing without one of these.
-    static bool is_glass(const Json& extensions) {
-        const Json& clear = object(extensions, "KHR_materials_transmission");
-        const Json& milky = object(extensions, "KHR_materials_diffuse_transmission");
-        return real(clear, "transmissionFactor", 0) > 0 || real(milky, "diffuseTransmissionFactor", 0) > 0;
+    /// What share of light goes through: KHR_materials_transmission and KHR_materials_diffuse_transmission say it, and
+    /// a volume how far. What is milky without one is a wall without a thickness, which says nothing of a body.
+    void take_transmission(const Json& extensions, PartMaterial& material) {
+        const auto share = [&](const char* extension, const char* factor) {
+            return static_cast<float>(std::clamp(real(object(extensions, extension), factor, 0), 0.0, 1.0));
+        };
+        const float clear = share("KHR_materials_transmission", "transmissionFactor"),
+                    milky = share("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor");
+        material.glass = clear > 0 || milky > 0;
+        if (!material.glass) return;
+        take_volume(extensions, material);
+        material.through = material.alpha_of_lengths ? clear + (1 - clear) * milky : clear;
+        const auto lose = [&](const char* extension, const char* texture) {
+            if (context_.options().keep_alpha && object(extensions, extension).contains(texture))
+                parts_.lose_texture(fmt::format(
+                    "The material '{}' has a {} ({}), which is not read: what it says by place of light that goes "
+                    "through is LOST, and its factor holds everywhere. Put it into the base colour's alpha.",
+                    printable(material.name), texture, extension));
+        };
+        lose("KHR_materials_diffuse_transmission", "diffuseTransmissionTexture");
+        lose("KHR_materials_scatter", "scatterStrengthTexture");
+        lose("KHR_materials_scatter", "multiscatterColorTexture");
     }
 
     void read_material(const Json& json) {
@@ -404,10 +420,7 @@ private:
         material.name = text(json, "name");
         if (material.name.empty()) material.name = fmt::format("number {}", parts_.materials.size() - 1);
         material.opaque = text(json, "alphaMode", "OPAQUE") == "OPAQUE";
-        material.glass = is_glass(object(json, "extensions"));
-        const Json& clear = object(object(json, "extensions"), "KHR_materials_transmission");
-        material.through = static_cast<float>(std::clamp(real(clear, "transmissionFactor", 0), 0.0, 1.0));
-        if (material.through > 0) take_volume(object(object(json, "extensions"), "KHR_materials_volume"), material);
+        take_transmission(object(json, "extensions"), material);
         const Json& old_workflow = object(object(json, "extensions"), "KHR_materials_pbrSpecularGlossiness");
         // Where the other says nothing, or less than what must be understood, the older one is the material.
         const bool old = !old_workflow.empty() && !object(json, "pbrMetallicRoughness").contains("baseColorTexture") &&
@@ -428,6 +441,7 @@ private:
         take_emission(json, material, uv);
         if (material.through > 0 && context_.options().keep_alpha) {
             parts_.has_colour = true;
+            const Json& clear = object(object(json, "extensions"), "KHR_materials_transmission");
             read_transmission(object(clear, "transmissionTexture"), material, uv);
         }
         const bool masked = text(json, "alphaMode", "OPAQUE") == "MASK";
@@ -435,17 +449,38 @@ private:
         if (masked) cut(material, cutoff_.back());
     }
 
-    /// Light takes on `attenuationColor` on a way of `attenuationDistance`, which nothing scatters.
-    static void take_volume(const Json& volume, PartMaterial& material) {
+    /// A beam keeps `attenuationColor` on a way of `attenuationDistance` (KHR_materials_volume). What it loses is
+    /// absorbed, or scattered where a draft says so (KHR_materials_volume_scatter, KHR_materials_scatter): the colour
+    /// that deep scattering shows gives the albedo of one event (Kulla and Conty, "Revisiting physically based shading
+    /// at Imageworks", 2017).
+    static void take_volume(const Json& extensions, PartMaterial& material) {
+        const Json& volume = object(extensions, "KHR_materials_volume");
         const double distance_m = real(volume, "attenuationDistance", 0);
         Eigen::Vector3f colour = Eigen::Vector3f::Ones();
         numbers(volume, "attenuationColor", colour);
         if (!(distance_m > 0) || !colour.allFinite()) return;
         constexpr float least = 1e-4f;  // black: no way is too short
         material.tint = colour.cwiseMax(0).cwiseMin(1);
-        const Eigen::Vector3f depth = -material.tint.cwiseMax(least).array().log();
-        const double absorbed_per_cm = double(depth.mean()) / (100 * distance_m);
-        material.within = static_cast<float>(optics::translucency_alpha(optics::translucency_eta(absorbed_per_cm, 0)));
+        const Eigen::Array3d lost_per_cm =
+            -material.tint.cwiseMax(least).array().log().cast<double>() / (100 * distance_m);
+        const Json& scatter = object(extensions, "KHR_materials_scatter");
+        const Json& older = object(extensions, "KHR_materials_volume_scatter");
+        const Json& of = scatter.empty() ? older : scatter;
+        const double strength = std::clamp(real(of, "scatterStrengthFactor", scatter.empty() ? 1 : 0), 0.0, 1.0);
+        Eigen::Vector3f seen = Eigen::Vector3f::Constant(scatter.empty() ? 0 : 1);
+        numbers(of, "multiscatterColor", seen);
+        numbers(of, "multiscatterColorFactor", seen);
+        if (!seen.allFinite()) seen.setZero();
+        seen = seen.cwiseMax(0).cwiseMin(1);
+        const double g = std::clamp(real(of, "scatterAnisotropy", 0), -0.99, 0.99);
+        const Eigen::Array3d deep = strength * seen.array().cast<double>();
+        const Eigen::Array3d s2 =
+            (4.09712 + 4.20863 * deep - (9.59217 + 41.6808 * deep + 17.7126 * deep.square()).sqrt()).min(1).square();
+        const Eigen::Array3d albedo = (deep > 0).select((1 - s2) / (1 - g * s2), 0);
+        const double eta =
+            optics::translucency_eta((lost_per_cm * (1 - albedo)).mean(), (lost_per_cm * albedo).mean() * (1 - g));
+        if (seen.maxCoeff() > 0) material.tint += static_cast<float>(strength) * (seen - material.tint);
+        material.within = static_cast<float>(optics::translucency_alpha(eta));
         material.alpha_of_lengths = true;
     }
 

@@ -411,6 +411,12 @@ private:
                 !(options_.keep_alpha && parts_.materials[m].through > 0))
                 names.push_back(fmt::format("'{}'", printable(parts_.materials[m].name)));
         if (names.empty()) return {};
+        if (options_.keep_alpha)
+            return fmt::format(
+                "{} has materials that let light through diffusely ({}), and no volume says how far: that is LOST, "
+                "they "
+                "are printed opaque. Give them a volume with an attenuation distance, or alpha.",
+                name_, first_few(names, ", "));
         return fmt::format(
             "{} has materials of glass ({}); a print of colours is opaque: that one sees through them is LOST. Give "
             "them the colour that they are to have, or --alpha translucency.",

@@ -192,6 +192,52 @@ TEST_CASE("glTF's transmission counts by its picture, and a volume by what it ab
     CHECK(alpha_at(read(model("", moved, ""), true), 0) == Approx(0.8).margin(1e-3));
 }
 
+TEST_CASE("glTF's wax has the colour that its depth shows, and the alpha of what it scatters and absorbs") {
+    GltfBuilder b;
+    const int p = b.data(raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}), 5126, 3, "VEC3");
+    const auto read = [&](const std::string& extensions, bool keep = true) {
+        return read_alone({{"a.glb", b.file(fmt::format(R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{)"
+                                                        R"("attributes":{{"POSITION":{}}},"material":0}}]}}],)"
+                                                        R"("materials":[{{"extensions":{{{}}}}}])",
+                                                        p, extensions))}},
+                          {}, keeping(keep));
+    };
+    const std::string milky = R"("KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":0.75})",
+                      volume = R"(,"KHR_materials_volume":{"attenuationDistance":0.001,)"
+                               R"("attenuationColor":[0.5,0.5,0.5]})",
+                      wax = R"(,"KHR_materials_volume_scatter":{"multiscatterColor":[0.5,0.5,0.5],)"
+                            R"("scatterAnisotropy":0.5})";
+    // A beam loses ln 2 on a millimetre. Half of the light comes back from the depth where s = 0.2971, by the formula
+    // of Kulla and Conty, so that 0.9538 of what is lost is scattered; forwards by a half.
+    const auto alpha = [](double absorbed, double scattered) {
+        return std::pow(1 - std::exp(-0.0153 * (0.4 * absorbed + scattered)), 0.6);
+    };
+    const double lost = 10 * std::log(2), scattered = 0.9538 * lost;
+    const auto is = [&](const std::string& extensions, double within, double share, double colour) {
+        const ModelFile file = read(extensions);
+        CAPTURE(extensions);
+        CHECK(file.mesh.materials.at(0).alpha == Approx(1 - share * (1 - within)).margin(2e-4));
+        CHECK(file.mesh.materials.at(0).rgb.x() == Approx(1 - share * (1 - colour)).margin(1e-4));
+        CHECK(file.lost_colour.empty());
+    };
+    is(milky + volume, alpha(lost, 0), 0.75, 0.5);
+    is(milky + volume + wax, alpha(lost - scattered, 0.5 * scattered), 0.75, 0.5);
+    is(R"("KHR_materials_transmission":{"transmissionFactor":0.5},)" + milky + volume, alpha(lost, 0), 0.875, 0.5);
+    const std::string clear = R"("KHR_materials_transmission":{"transmissionFactor":1})";
+    is(clear + volume + R"(,"KHR_materials_scatter":{"multiscatterColorFactor":[1,1,1]})", alpha(lost, 0), 1, 0.5);
+    is(clear + volume + R"(,"KHR_materials_scatter":{"scatterStrengthFactor":1})", alpha(0, lost), 1, 1);
+    // How far light gets is not said: nothing but that it is lost.
+    const ModelFile leaf = read(milky);
+    CHECK(leaf.mesh.materials.at(0).alpha == 1);
+    CHECK_THAT(leaf.lost_colour, Contains("no volume says how far") && Contains("LOST"));
+    CHECK_THAT(read(milky + volume, false).lost_colour, Contains("--alpha translucency"));
+    CHECK_THAT(read(R"("KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":1,)"
+                    R"("diffuseTransmissionTexture":{"index":0}})" +
+                    volume)
+                   .lost_colour,
+               Contains("diffuseTransmissionTexture"));
+}
+
 TEST_CASE("3MF's translucent materials have the alpha of what a beam loses in them") {
     const auto model = [](const std::string& attenuation) {
         return threemf(
