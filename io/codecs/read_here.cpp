@@ -129,6 +129,7 @@ Packing answer(std::span<const std::byte> bytes) {
     options.max_pixels = request.max_pixels;
     options.max_unpacked_bytes = request.max_unpacked_bytes;
     options.drawing = request.drawing;
+    options.keep_alpha = request.keep_alpha;
     ParseHelp help{.others = decode_elsewhere};
     if (!request.sees_folder) help.ask_for_folder = ask_for_folder;
     switch (request.kind) {

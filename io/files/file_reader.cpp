@@ -20,7 +20,7 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string protocol = "voxtone-read 6, voxtone " + build_identity();
+const std::string protocol = "voxtone-read 7, voxtone " + build_identity();
 
 constexpr const char *pictures_program = "voxtone-read-pictures", *drawings_program = "voxtone-read-drawings";
 
@@ -124,7 +124,7 @@ private:
 std::vector<std::byte> pack(const ReadRequest& r) {
     PackedWriter writer;
     writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples,
-           r.sees_folder, r.format, r.use_profile, r.turn_upright, r.drawing.pitch_mm, r.drawing.width_mm,
+           r.sees_folder, r.keep_alpha, r.format, r.use_profile, r.turn_upright, r.drawing.pitch_mm, r.drawing.width_mm,
            r.drawing.height_mm, r.drawing.size_mm, r.drawing.px_per_inch, r.bytes);
     return std::move(writer.bytes);
 }
@@ -139,8 +139,8 @@ ReadRequest unpack_request(std::span<const std::byte> bytes) {
             protocol, asked));
     ReadRequest r;
     reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples, r.sees_folder,
-           r.format, r.use_profile, r.turn_upright, r.drawing.pitch_mm, r.drawing.width_mm, r.drawing.height_mm,
-           r.drawing.size_mm, r.drawing.px_per_inch, r.bytes);
+           r.keep_alpha, r.format, r.use_profile, r.turn_upright, r.drawing.pitch_mm, r.drawing.width_mm,
+           r.drawing.height_mm, r.drawing.size_mm, r.drawing.px_per_inch, r.bytes);
     reader.expect_end();
     return r;
 }
@@ -156,6 +156,7 @@ std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesyst
     request.drawing = options.drawing;
     request.texture = options.texture.string();
     request.sees_folder = sees_folder;
+    request.keep_alpha = options.keep_alpha;
     return start_reader(path.filename().string(), request, isolation_limits(options));
 }
 

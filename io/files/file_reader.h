@@ -39,6 +39,7 @@ struct ReadRequest {
     std::string texture{};                                                     ///< given to a model; empty: none
     std::vector<double> samples{};  ///< asked of a device profile; of codes: columns, rows, most_times
     bool sees_folder = true;        ///< of a model: what lies beside it may be read
+    bool keep_alpha = false;        ///< of a model, as ReadOptions has it
     // of other_picture; its name for messages is `path`
     std::string format{};  ///< as OpenImageIO names it, or "svg"
     bool use_profile = true, turn_upright = false;

@@ -17,6 +17,7 @@
 #include "io/models/model_reader.h"
 #include "io/pictures/picture.h"
 #include "io/pictures/picture_writer.h"
+#include "io/pictures/texture.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/outcomes.h"
 
@@ -102,4 +103,27 @@ TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", 
         }
     }
     SECTION("enough") { CHECK(read_model(model).mesh.triangles.size() == 1); }
+}
+
+TEST_CASE("the reader is told that alpha is to be kept: by what of a picture light goes through, it alone can tell") {
+    const TemporaryFolder folder;
+    const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0, /* uv */ 0, 0, 1, 0, 0, 1};
+    std::ofstream(folder.path() / "a.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(corners.data()), std::streamsize(corners.size() * sizeof(float)));
+    write_square(folder.path() / "through.png", 2);  // 200 of 255
+    std::ofstream(folder.path() / "a.gltf")
+        << R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)"
+           R"({"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],"buffers":[{"uri":"a.bin","byteLength":60}],)"
+           R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],)"
+           R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+           R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],)"
+           R"("images":[{"uri":"through.png"}],"textures":[{"source":0}],"materials":[{"extensions":)"
+           R"({"KHR_materials_transmission":{"transmissionFactor":1,"transmissionTexture":{"index":0}}}}]})";
+    ReadOptions options;
+    options.keep_alpha = true;
+    const ModelFile clear = read_model(folder.path() / "a.gltf", options);
+    CHECK(clear.has_colour);
+    REQUIRE(clear.mesh.materials.at(0).alpha_texture);
+    CHECK(clear.mesh.materials[0].alpha_texture->sample(0.5f, 0.5f).x() == Approx(1 - 200 / 255.0).margin(1e-3));
+    CHECK_FALSE(read_model(folder.path() / "a.gltf").mesh.materials.at(0).alpha_texture);
 }

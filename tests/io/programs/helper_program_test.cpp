@@ -145,7 +145,7 @@ TEST_CASE("files beside a model are read where it names them, but for those that
 }
 
 TEST_CASE("requests come through as they were made, from the same version only") {
-    const ReadRequest asked{ReadKind::picture, "a/b c.png", 1, 2, 3, "t.png", {}, false, "tiff", false, true, {},
+    const ReadRequest asked{ReadKind::picture, "a/b c.png", 1, 2, 3, "t.png", {}, false, true, "tiff", false, true, {},
                             {std::byte{9}}};
     const ReadRequest heard = unpack_request(pack(asked));
     CHECK(heard.kind == asked.kind);
@@ -155,6 +155,7 @@ TEST_CASE("requests come through as they were made, from the same version only")
     CHECK(heard.max_unpacked_bytes == 3);
     CHECK(heard.texture == "t.png");
     CHECK_FALSE(heard.sees_folder);
+    CHECK(heard.keep_alpha);
     CHECK(heard.format == "tiff");
     CHECK_FALSE(heard.use_profile);
     CHECK(heard.turn_upright);
