@@ -19,6 +19,9 @@ std::uint32_t number(std::span<const std::byte> file, std::size_t at, std::size_
     return value;
 }
 
+constexpr std::size_t info_bytes_at = 14, bits_at = 28, coding_at = 30, masks_at = 54;
+constexpr std::uint32_t by_masks = 3;
+
 /// Which byte a mask takes.
 std::optional<std::size_t> byte_of(std::uint32_t mask) {
     for (std::size_t i = 0; i < 4; ++i)
@@ -29,8 +32,11 @@ std::optional<std::size_t> byte_of(std::uint32_t mask) {
 }  // namespace
 
 void apply_bmp_masks(std::span<std::uint8_t> rgba, std::span<const std::byte> file, const std::string& name) {
-    constexpr std::size_t info_bytes_at = 14, bits_at = 28, coding_at = 30, masks_at = 54;
-    constexpr std::uint32_t by_masks = 3, info_bytes_with_alpha = 56;
+    bool is_filling = true;
+    for (std::size_t i = 3; i < rgba.size(); i += 4) is_filling = is_filling && rgba[i] == 0;
+    if (is_filling && number(file, coding_at, 4) != by_masks)
+        for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
+    constexpr std::uint32_t info_bytes_with_alpha = 56;
     constexpr std::array<std::uint32_t, 3> usual{0xff0000, 0xff00, 0xff};
     if (number(file, bits_at, 2) != 32 || number(file, coding_at, 4) != by_masks) return;
     std::array<std::uint32_t, 4> masks{};

@@ -13,6 +13,7 @@
 namespace voxtone::io {
 
 /// `rgba`: as OpenImageIO has it, of the file's bytes; put in the order of its masks, opaque where none is of alpha.
+/// Without masks the fourth byte is alpha, or nothing: zero everywhere.
 /// Throws InputError where masks are not one byte each.
 void apply_bmp_masks(std::span<std::uint8_t> rgba, std::span<const std::byte> file, const std::string& name);
 

@@ -574,7 +574,10 @@ DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& f
         file.go_to(choice.picture);
         const auto white = format == "tiff" ? tiff_white(bytes, choice.picture) : std::nullopt;
         PictureSamples samples = ImageReader(file.input(), name, options, choice, white).read();
-        if (format == "bmp") apply_bmp_masks(samples.bytes, bytes, name);
+        if (format == "bmp") {
+            apply_bmp_masks(samples.bytes, bytes, name);
+            samples.premultiplied = false;  // OpenImageIO hands alpha over as it is in the file, and does not say so
+        }
         if (format == "psd") look_for_layers(samples, bytes, name, options);
         if (!choice.warning.empty()) samples.warnings.push_back(named_warning("several-pictures", choice.warning));
         return to_texels(std::move(samples), name, options);

@@ -490,8 +490,25 @@ TEST_CASE("BMP says by masks which byte is which colour") {
         CHECK(near(codes_of(image), {200, 40, 60}, 0.5));
         CHECK_FALSE(image.has_alpha);
     }
-    CHECK(read({0xff, 0xff00, 0xff0000, 0xff000000}, "\xc8\x28\x3c\x80").has_alpha);
+    const DecodedImage half = read({0xff, 0xff00, 0xff0000, 0xff000000}, "\xc8\x28\x3c\x80");
+    CHECK(half.texels.alpha(0) == Approx(128 / 255.0).margin(1e-3));
+    CHECK(near(codes_of(half), {200, 40, 60}, 0.5));  // not multiplied by alpha
     CHECK_THROWS_WITH(read({0x3ff, 0xffc00, 0x3ff00000, 0}, rgba), Contains("not 8 bits each"));
+}
+
+TEST_CASE("The fourth byte of a BMP without masks is alpha, or nothing where all are zero") {
+    const auto read = [](const std::string& pixels) {
+        std::string bmp = "BM" + number(70) + number(0) + number(54) + number(40) + number(2) + number(2);
+        bmp += number(1 | 32 << 16) + std::string(24, '\0') + pixels + pixels;
+        return decode_image(std::as_bytes(std::span(bmp)), "a.bmp", {.others = decode_other});
+    };
+    const DecodedImage filled = read(std::string("\x3c\x28\xc8\0\x3c\x28\xc8\0", 8)),
+                       clear = read(std::string("\x3c\x28\xc8\x40\x3c\x28\xc8\0", 8));
+    CHECK_FALSE(filled.has_alpha);
+    CHECK(near(codes_of(filled), {200, 40, 60}, 0.5));
+    CHECK(clear.texels.alpha(0) == Approx(64 / 255.0).margin(1e-3));
+    CHECK(clear.texels.alpha(1) == 0);
+    CHECK(near(codes_of(clear), {200, 40, 60}, 0.5));
 }
 
 TEST_CASE("PFM is linear light, and Radiance's gamma of 2.2 is coded as sRGB is") {
