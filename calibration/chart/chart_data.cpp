@@ -48,6 +48,11 @@ void add_squares(const PatchTable& table, bool own_instrument, ChartData& data) 
                             "that light gets through.",
                             patch.where, mixture_text(patch.top)));
         }
+        if (patch.on)
+            throw InputError(fmt::format(
+                "{}: the square {} lies on {}, a surface, which tells no chart's lengths; give squares upon a resin of "
+                "the chart.",
+                patch.where, mixture_text(patch.top), patch.backing));
         PatchMixture held = patch.top;
         if (!patch.is_laminate()) held.push_back({patch.backing, 1});
         for (const PatchLayer& layer : patch.under) held.push_back({layer.role, 1});

@@ -48,6 +48,7 @@ public:
           free_(std::move(free)),
           evaluations_(evaluations),
           bases_move_(bases_move),
+          channel_(channel),
           points_(resins),
           rho_(part.patches.size()) {
         for (const std::size_t p : part.patches) {
@@ -63,7 +64,7 @@ public:
         }
         media_.resize(points_.size());
         refresh();
-        if (!bases_move_) bases_ = part_.model->bases(media_, false);
+        if (!bases_move_) bases_ = part_.model->bases(media_, false, channel_);
         set_num_residuals(rows());
         mutable_parameter_block_sizes()->assign(2 * free_.size(), 1);
     }
@@ -72,7 +73,7 @@ public:
     bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
         for (std::size_t k = 0; k < free_.size(); ++k) points_[free_[k]] = {*parameters[2 * k], *parameters[2 * k + 1]};
         refresh();
-        if (bases_move_) bases_ = part_.model->bases(media_, jacobians != nullptr);
+        if (bases_move_) bases_ = part_.model->bases(media_, jacobians != nullptr, channel_);
         if (jacobians)
             part_.model->evaluate(media_, bases_, rho_, by_resin_);
         else
@@ -135,6 +136,7 @@ private:
     std::vector<std::size_t> free_;
     int& evaluations_;
     bool bases_move_;
+    std::size_t channel_;
     std::vector<double> measured_, weight_;
     std::vector<Known> known_;
     mutable std::vector<ResinPoint> points_;

@@ -56,7 +56,8 @@ public:
                                                             fit_.set.eta, dot_spread_sentence(fit_)));
         report.warnings = fit_.warnings;
         report.sections.push_back(resins());
-        report.sections.push_back(principles());
+        if (!std::ranges::any_of(table_.patches, [](const Patch& p) { return p.on != nullptr; }))
+            report.sections.push_back(principles());
         report.sections.push_back(values());
         return report;
     }

@@ -61,16 +61,23 @@ bool alike(const std::vector<double>& a, const std::vector<double>& b) {
     return std::ranges::equal(a, b, [](double x, double y) { return std::abs(x - y) < rounding; });
 }
 
+/// What lies under a square: shares of resins, or a surface.
+struct Below {
+    std::vector<double> fractions;
+    std::string surface;
+};
+
 /// The patch of a mixture upon another, from 1, of several that of the nearest thickness; 0: there is none.
 std::uint16_t patch_with(const PatchTable& table, const Target& target, const std::vector<double>& top,
-                         const std::vector<double>& below, double thickness_mm) {
+                         const Below& below, double thickness_mm) {
     std::size_t found = 0;
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t p = 0; p < table.patches.size(); ++p) {
         const Patch& patch = table.patches[p];
         const double off = std::abs(patch.thickness_mm - thickness_mm);
         if (!patch.lit && off < nearest && alike(fractions_of(target, patch.top), top) &&
-            alike(fractions_of(target, {{patch.backing, 1.0}}), below))
+            (patch.on ? patch.backing == below.surface
+                      : alike(fractions_of(target, {{patch.backing, 1.0}}), below.fractions)))
             found = p + 1, nearest = off;
     }
     return std::uint16_t(found);
@@ -91,7 +98,7 @@ void mark_patches(PatchMap& map, const PatchTable& table, const Target& target) 
         const TargetBox &top = boxes[of[pixel].first], &below = boxes[of[pixel].second];
         if (is_new)
             found->second = top.cell[0] > 0 ? std::uint16_t{0}
-                                            : patch_with(table, target, top.fractions, below.fractions,
+                                            : patch_with(table, target, top.fractions, {below.fractions, {}},
                                                          top.max_mm.z() - top.min_mm.z());
         map.patch_of[pixel] = found->second;
     }
@@ -167,7 +174,8 @@ std::vector<std::size_t> patches_of_squares(const PatchTable& table, const Targe
         patches.push_back(square.is_checker()
                               ? 0
                               : patch_with(table, target, fractions_of(target, square.top),
-                                           fractions_of(target, {{square.backing, 1.0}}), target.depth_mm(square)));
+                                           {fractions_of(target, {{square.backing, 1.0}}), square.backing},
+                                           target.depth_mm(square)));
     return patches;
 }
 

@@ -26,10 +26,12 @@ bool is_pure(const Patch& patch, const std::string& role) {
     return patch.top.size() == 1 && patch.top.front().role == role;
 }
 
-// Mean over the channels of a base's square on itself.
+// Mean over the channels of a base's square on itself, or of a bare surface.
 double lightness(const PatchTable& table, const std::string& base) {
     double sum = 0, count = 0;
     for (const Patch& patch : table.patches) {
+        if (patch.backing == base && patch.on)
+            return std::accumulate(patch.on->rho.begin(), patch.on->rho.end(), 0.0) / double(patch.on->rho.size());
         if (patch.backing != base || !is_pure(patch, base)) continue;
         sum += std::accumulate(patch.rho.begin(), patch.rho.end(), 0.0);
         count += static_cast<double>(patch.rho.size());
@@ -44,6 +46,13 @@ double lightness(const PatchTable& table, const std::string& base) {
 template <class List, class Value>
 bool contains(const List& list, const Value& value) {
     return std::ranges::find(list, value) != list.end();
+}
+
+/// Of squares on known surfaces alone: whether there are thin ones and thick ones.
+bool has_two_thicknesses(const PatchTable& table) {
+    constexpr double apart = 1.5;
+    const auto [least, most] = std::ranges::minmax(table.patches, {}, &Patch::thickness_mm);
+    return most.thickness_mm > apart * least.thickness_mm;
 }
 
 /// An interval of ln sigma_t.
@@ -146,23 +155,25 @@ bool TargetRoles::is_base(std::size_t role) const { return contains(bases, role)
 bool TargetRoles::is_clear(std::size_t role) const { return contains(clear, role); }
 
 TargetRoles find_target_roles(const PatchTable& table, std::span<const std::string> expected, double noise) {
-    std::vector<std::string> bases, all;
+    std::vector<std::string> bases, surfaces, all;
     for (const Patch& patch : table.patches) {
-        if (!patch.lit && !contains(bases, patch.backing)) bases.push_back(patch.backing);
+        std::vector<std::string>& lain_on = patch.on ? surfaces : bases;
+        if (!patch.lit && !contains(lain_on, patch.backing)) lain_on.push_back(patch.backing);
         for (const ResinShare& share : patch.top)
             if (!contains(all, share.role)) all.push_back(share.role);
     }
     for (const std::string& base : bases)
         if (!contains(all, base)) all.push_back(base);
-    if (all.size() < 2)
+    if (all.size() < 2 && surfaces.empty())
         throw InputError(
             fmt::format("{}: all patches are of one resin, {}; a calibration needs two of contrasting albedo.",
                         table.source, fmt::join(all, "")));
-    if (bases.size() < 2)
+    const bool by_thickness = bases.empty() && has_two_thicknesses(table);  // a surface is known
+    if (bases.size() + surfaces.size() < 2 && !by_thickness)
         throw InputError(
-            fmt::format("{}: all patches lie on {}; each resin must be seen on a light and on a dark base, or its "
+            fmt::format("{}: all patches lie on {}{}; each resin must be seen on a light and on a dark base, or its "
                         "albedo and extinction cannot be told apart.",
-                        table.source, fmt::join(bases, "")));
+                        table.source, fmt::join(bases, ""), fmt::join(surfaces, "")));
     for (const std::string& role : expected)
         if (!contains(all, role))
             throw InputError(fmt::format(
@@ -172,7 +183,8 @@ TargetRoles find_target_roles(const PatchTable& table, std::span<const std::stri
         throw InputError(
             fmt::format("{}: patches lie on clear resin ({}); a base must be opaque.", table.source, clear_role));
     std::vector<std::pair<double, std::string>> by_light;
-    for (const std::string& base : bases) by_light.emplace_back(-lightness(table, base), base);
+    for (const std::vector<std::string>& lain_on : {bases, surfaces})
+        for (const std::string& base : lain_on) by_light.emplace_back(-lightness(table, base), base);
     std::ranges::stable_sort(by_light, {}, [](const auto& entry) { return entry.first; });
     const double lightest = -by_light.front().first, darkest = -by_light.back().first;
     const auto white = std::ranges::find(by_light, "W", [](const auto& e) { return e.second; });
@@ -182,13 +194,14 @@ TargetRoles find_target_roles(const PatchTable& table, std::span<const std::stri
             "{}: W on W reflects {:.4f} and K on K {:.4f}: black and white are swapped, in the target, in its "
             "description or in the photograph's orientation.",
             table.source, -white->first, -black->first));
-    if (!(lightest - darkest > 6 * noise))
+    if (!by_thickness && !(lightest - darkest > 6 * noise))
         throw InputError(fmt::format(
             "{}: the bases have no contrast: {} reflects {:.4f} and {} {:.4f}, which must differ by {:.3f} at least. "
             "Print the squares on two resins that differ more.",
             table.source, by_light.front().second, lightest, by_light.back().second, darkest, 6 * noise));
     TargetRoles result;
     for (const auto& [light, base] : by_light) {
+        if (contains(surfaces, base)) continue;
         result.bases.push_back(result.roles.size());
         result.roles.push_back(base);
     }
@@ -214,7 +227,12 @@ TargetRoles find_target_roles(const PatchTable& table, std::span<const std::stri
 class Principles::Search {
 public:
     Search(const Principles& all, const Group& group, std::size_t channel, std::vector<ResinPoint>& resins)
-        : roles_(*all.roles_), group_(group), resins_(resins), g_(all.options_.g), rho_(group.patches.size()) {
+        : roles_(*all.roles_),
+          group_(group),
+          resins_(resins),
+          g_(all.options_.g),
+          channel_(channel),
+          rho_(group.patches.size()) {
         for (const Patch& patch : group.patches) {
             measured_.push_back(patch.rho[channel]);
             weight_.push_back(1 / std::max(patch.error.empty() ? all.noise_ : patch.error[channel], principle_error));
@@ -224,7 +242,7 @@ public:
     /// Has to be called when a base has changed.
     void keep_bases() {
         refresh();
-        bases_ = group_.model->bases(media_, false);
+        bases_ = group_.model->bases(media_, false, channel_);
     }
     [[nodiscard]] double deviation() {
         refresh();
@@ -235,7 +253,7 @@ public:
     }
     [[nodiscard]] double predicted() {
         refresh();
-        bases_ = group_.model->bases(media_, false);
+        bases_ = group_.model->bases(media_, false, channel_);
         group_.model->evaluate(media_, bases_, rho_);
         return std::accumulate(rho_.begin(), rho_.end(), 0.0) / static_cast<double>(rho_.size());
     }
@@ -253,6 +271,7 @@ private:
     const Group& group_;
     std::vector<ResinPoint>& resins_;
     double g_;
+    std::size_t channel_;
     std::vector<double> measured_, weight_, rho_;
     std::vector<Medium> media_;
     PatchModel::Bases bases_;

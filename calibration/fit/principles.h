@@ -36,9 +36,9 @@ struct TargetRoles {
 };
 
 /// `expected`: resins that must have been measured; may be empty. `noise`: of a reflectance.
-/// Throws InputError where a calibration is not possible, naming patch or resin: fewer than two resins or bases, a base
-/// without a square on itself or on another base, bases without contrast, white (W) darker than black (K), a resin that
-/// is missing.
+/// Throws InputError where a calibration is not possible, naming patch or resin: fewer than two resins or bases
+/// (surfaces too), a base without a square on itself or on another base, bases without contrast, white (W) darker than
+/// black (K), a resin that is missing.
 [[nodiscard]] TargetRoles find_target_roles(const PatchTable& table, std::span<const std::string> expected,
                                             double noise);
 

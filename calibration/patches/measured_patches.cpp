@@ -18,7 +18,7 @@ PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOpt
     apply_white_reference(table, options.white);
     if (options.base_mm)
         for (Patch& patch : table.patches)
-            if (!patch.lit && !patch.is_laminate()) patch.base_mm = *options.base_mm;
+            if (!patch.lit && !patch.on && !patch.is_laminate()) patch.base_mm = *options.base_mm;
     if (checkers) {
         *checkers = {.source = table.source, .channels = table.channels, .patches = {}};
         std::ranges::copy_if(table.patches, std::back_inserter(checkers->patches), &Patch::is_checker);

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "calibration/patches/patch_file.h"
+#include "calibration/patches/patch_surfaces.h"
 #include "calibration/patches/table_observer.h"
 #include "optics/colour/observed_colour.h"
 #include "optics/layered/flat_colour.h"
@@ -61,7 +62,7 @@ std::vector<std::string> roles_in(const optics::ResinSet& set) {
 void expect_resins(const optics::ResinSet& set, const PatchTable& table) {
     for (const Patch& patch : table.patches) {
         std::vector<std::string> needed;
-        if (!patch.backing.empty()) needed.push_back(patch.backing);
+        if (!patch.backing.empty() && !patch.on) needed.push_back(patch.backing);
         for (const PatchLayer& layer : patch.under) needed.push_back(layer.role);
         for (const ResinShare& share : patch.top) needed.push_back(share.role);
         for (const std::string& role : needed)
@@ -77,12 +78,12 @@ std::vector<std::vector<double>> predict_squares(const optics::ResinSet& set, co
                                                  PatchModelOptions options) {
     options.g = set.g, options.eta = set.eta, options.dot_spread = set.dot_spread;
     const optics::FlatMeasurement read = table.is_chart ? set.measured : optics::FlatMeasurement{};
-    const PatchModel model(table.patches, roles_in(set), options);
+    const PatchModel model(in_channels_of(set, table).patches, roles_in(set), options);
     std::vector<std::vector<double>> predicted(table.patches.size(), std::vector<double>(set.channels.size()));
     parallel_for(0, set.channels.size(), 1, [&](std::size_t c) {
         std::vector<optics::Medium> media;
         for (const optics::Resin& resin : set.resins) media.push_back(resin.medium(c));
-        const std::vector<double> rho = model.rho(media);
+        const std::vector<double> rho = model.rho(media, c);
         for (std::size_t p = 0; p < rho.size(); ++p) predicted[p][c] = read.gain * (read.surface + rho[p]);
     });
     return predicted;

@@ -10,6 +10,7 @@
 #include "calibration/patches/chart_csv.h"
 #include "calibration/patches/cxf_file.h"
 #include "calibration/patches/laminate_file.h"
+#include "calibration/patches/patch_surfaces.h"
 #include "calibration/patches/target_csv.h"
 #include "calibration/tables/cgats_text.h"
 #include "calibration/tables/table_cells.h"
@@ -58,6 +59,9 @@ void apply_white_reference(PatchTable& table, double reflectance) {
         for (double& rho : patch.rho) rho *= reflectance;
         for (double& error : patch.error) error *= reflectance;
     }
+    change_surfaces(table, [&](PatchSurface& surface) {
+        for (double& rho : surface.rho) rho *= reflectance;
+    });
 }
 
 std::string patch_table_text(const PatchTable& table, std::string_view comment) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "calibration/patches/patch_surfaces.h"
 #include "calibration/tables/table_cells.h"
 
 namespace voxtone::calibration {
@@ -58,6 +59,7 @@ std::string mixture_text(const PatchMixture& mixture) {
 std::string light_name(optics::LightThrough light) { return light == optics::LightThrough::beam ? "beam" : "light"; }
 
 std::string patch_name(const Patch& patch) {
+    if (patch.top.empty()) return fmt::format("{} on {}", bare_text(patch.on->kind), patch.backing);
     std::string name = mixture_text(patch.top);
     if (patch.is_laminate()) {
         name += fmt::format(" {:.3g}", patch.thickness_mm);

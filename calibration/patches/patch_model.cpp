@@ -63,6 +63,7 @@ std::size_t PatchModel::index_of_resin(const std::string& role) const {
 }
 
 std::size_t PatchModel::add_base(const Patch& patch) {
+    if (patch.on) return index_of(bases_, Base{.surface = patch.on});
     if (!patch.is_laminate() && patch.base_mm == 0) return index_of(bases_, Base{index_of_resin(patch.backing)});
     std::size_t base = index_of(bases_, Base{.ends = patch.is_laminate() ? UnderBase::air : options_.under});
     if (!patch.is_laminate()) return index_of(bases_, Base{index_of_resin(patch.backing), patch.base_mm, base});
@@ -71,12 +72,15 @@ std::size_t PatchModel::add_base(const Patch& patch) {
     return base;
 }
 
-PatchModel::Bases PatchModel::bases(std::span<const Medium> resins, bool with_derivatives) const {
+PatchModel::Bases PatchModel::bases(std::span<const Medium> resins, bool with_derivatives, std::size_t channel) const {
     Bases laws;
     laws.reserve(bases_.size());
     std::map<std::pair<std::size_t, double>, std::shared_ptr<const optics::OrdinateSlab>> slabs;
     for (const Base& base : bases_) {
-        if (base.resin == nothing) {
+        if (base.surface) {
+            VOXTONE_EXPECT(channel < base.surface->rho.size());
+            laws.emplace_back(optics::admittance_of(*plan_, base.surface->kind, base.surface->rho[channel]));
+        } else if (base.resin == nothing) {
             laws.emplace_back(base.ends == UnderBase::black ? optics::Admittance::black(*plan_)
                                                             : optics::Admittance::air(*plan_, false));
         } else if (base.below == nothing) {
@@ -159,9 +163,9 @@ void PatchModel::evaluate(std::span<const Medium> resins, const Bases& bases, st
     run(resins, bases, rho, &by_resin);
 }
 
-std::vector<double> PatchModel::rho(std::span<const Medium> resins) const {
+std::vector<double> PatchModel::rho(std::span<const Medium> resins, std::size_t channel) const {
     std::vector<double> result(patches_.size());
-    evaluate(resins, bases(resins, false), result);
+    evaluate(resins, bases(resins, false, channel), result);
     return result;
 }
 

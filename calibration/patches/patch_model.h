@@ -8,7 +8,7 @@
 // common. Of slabs lit from behind: what comes through (optics/layered/slab_transmission.h), slopes by differences.
 // Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq. 7) or, where the pitch of the voxels is given, halftones
 // (optics/media/effective_medium.h). A base of unknown thickness has no end; one of known thickness ends at what is
-// `under` it, a laminate at air.
+// `under` it, a laminate at air. A surface that is known (optics/layered/known_surface.h) is a base without slopes.
 //
 // Units mm, mm^-1. Error of rho with the 15 directions used: 1e-6 for patches of 0.675 mm; with the eight of a
 // laminates' plan 1e-3. Time: docs/benchmarks.md.
@@ -59,6 +59,8 @@ struct PatchModelOptions {
                                                                      bool coarse = false);
 
 class PatchModel {
+    static constexpr std::size_t nothing = std::numeric_limits<std::size_t>::max();
+
 public:
     /// `roles`: the resins, in the order in which evaluate() takes them. Contract: every resin of `patches` is among
     /// them.
@@ -70,7 +72,9 @@ public:
 
     /// The laws of all bases for these resins; to be kept while only others change.
     using Bases = std::vector<optics::OrdinateBase>;
-    [[nodiscard]] Bases bases(std::span<const optics::Medium> resins, bool with_derivatives) const;
+    /// `channel`: of the surfaces that patches lie on; contract: given where there are some.
+    [[nodiscard]] Bases bases(std::span<const optics::Medium> resins, bool with_derivatives,
+                              std::size_t channel = nothing) const;
 
     /// rho of every patch.
     void evaluate(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho) const;
@@ -79,7 +83,7 @@ public:
     void evaluate(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho,
                   Eigen::MatrixXd& by_resin) const;
 
-    [[nodiscard]] std::vector<double> rho(std::span<const optics::Medium> resins) const;
+    [[nodiscard]] std::vector<double> rho(std::span<const optics::Medium> resins, std::size_t channel = nothing) const;
 
 private:
     struct Layer {
@@ -88,12 +92,12 @@ private:
         double thickness_mm;
         friend bool operator==(const Layer&, const Layer&) = default;
     };
-    static constexpr std::size_t nothing = std::numeric_limits<std::size_t>::max();
     struct Base {
         std::size_t resin = nothing;        ///< nothing: `ends` there
         double thickness_mm = 0;            ///< 0: without end
         std::size_t below = nothing;        ///< another one, which stands before it
-        UnderBase ends = UnderBase::black;  ///< counts where there is no resin
+        UnderBase ends = UnderBase::black;  ///< counts where there is no resin and no
+        std::shared_ptr<const PatchSurface> surface = {};
         friend bool operator==(const Base&, const Base&) = default;
     };
     [[nodiscard]] std::size_t add_base(const Patch& patch);

@@ -9,10 +9,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "optics/layered/known_surface.h"
 #include "optics/layered/slab_transmission.h"
 #include "optics/media/resins.h"
 
@@ -35,9 +37,16 @@ struct PatchLayer {
     friend bool operator==(const PatchLayer&, const PatchLayer&) = default;
 };
 
+/// What patches lie on where it is no resin: a surface that was there before.
+struct PatchSurface {
+    std::string name;
+    optics::KnownSurface kind;
+    std::vector<double> rho, error;  ///< bare, per channel; as those of a patch
+};
+
 struct Patch {
-    PatchMixture top;
-    std::string backing;              ///< role of the base's resin; empty: the patch has no end, or is a laminate
+    PatchMixture top;     ///< empty: bare, only while a table is read or written
+    std::string backing;  ///< role of the base's resin, or name of `on`; empty: the patch has no end, or is a laminate
     double thickness_mm = 0;          ///< of the square; 0: thick, without end
     double base_mm = 0;               ///< thickness of the base under it; 0: not known, taken as without end
     std::vector<double> rho;          ///< per channel; of a slab lit from behind what comes through it
@@ -47,6 +56,7 @@ struct Patch {
     std::array<double, 2> cell_mm{};  ///< of a checker of the two resins of `top`; 0: they are mixed voxel by voxel
     std::optional<optics::LightThrough> lit = {};  ///< of a slab in air, on nothing, that is lit from behind
     std::vector<PatchLayer> under = {};            ///< of a laminate: the layers below `top`, from above
+    std::shared_ptr<const PatchSurface> on = {};   ///< in place of a base
     [[nodiscard]] bool is_checker() const { return cell_mm[0] > 0; }
     /// Of known thickness, in air upon nothing.
     [[nodiscard]] bool is_laminate() const { return thickness_mm > 0 && backing.empty() && !lit; }

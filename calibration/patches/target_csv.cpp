@@ -15,6 +15,7 @@
 #include "base/printable.h"
 #include "calibration/patches/measured_values.h"
 #include "calibration/patches/patch_mixture.h"
+#include "calibration/patches/patch_surfaces.h"
 #include "calibration/tables/table_cells.h"
 #include "calibration/tables/text_table.h"
 #include "io/files/json_keys.h"
@@ -53,6 +54,7 @@ public:
             throw InputError(
                 fmt::format("{}: has a header and no patches; give one line per measured square.", table_.source));
         if (colorimetric()) make_rho(table_, quantity_, conditions_of(csv_), illuminant_);
+        lay_on_surfaces(table_);
         return std::move(table_);
     }
 
@@ -147,7 +149,9 @@ private:
         Patch patch;
         patch.where = csv_.where();
         try {
-            patch.top = parse_mixture(cells[0]);
+            const auto bare = bare_kind(cells[0]);
+            if (bare) patch.on = std::make_shared<PatchSurface>(PatchSurface{cells[1], *bare, {}, {}});
+            if (!bare) patch.top = parse_mixture(cells[0]);
             for (const auto light : {optics::LightThrough::diffuse, optics::LightThrough::beam})
                 if (cells[1] == light_name(light)) patch.lit = light;
             if (!patch.lit) check_role(cells[1], cells[1]);
@@ -183,7 +187,11 @@ private:
     }
 
     void check(const Patch& patch, const std::string& name) const {
-        if (!(patch.thickness_mm >= 0.001 && patch.thickness_mm <= 1000))
+        const bool bare = patch.top.empty();
+        if (bare && (patch.lit || patch.thickness_mm != 0 || patch.base_mm != 0 || patch.cell_mm != Patch{}.cell_mm))
+            csv_.fail(fmt::format(
+                "{}: a bare surface has its name for backing, and 0 for thickness_mm, base_mm and cells", name));
+        if (!bare && !(patch.thickness_mm >= 0.001 && patch.thickness_mm <= 1000))
             csv_.fail(
                 fmt::format("patch {}: thickness_mm is {}; expected mm, from 0.001 to 1000", name, patch.thickness_mm));
         if (!(patch.base_mm == 0 || (patch.base_mm >= 0.001 && patch.base_mm <= 10000)))
@@ -271,8 +279,9 @@ std::string target_csv_text(const PatchTable& table, std::string_view comment) {
     VOXTONE_EXPECT(!table.is_chart);
     const bool base = std::ranges::any_of(table.patches, [](const Patch& p) { return p.base_mm > 0; });
     const bool cells = std::ranges::any_of(table.patches, &Patch::is_checker);
-    const bool errors =
-        !table.patches.empty() && std::ranges::all_of(table.patches, [](const Patch& p) { return !p.error.empty(); });
+    const bool errors = !table.patches.empty() && std::ranges::all_of(table.patches, [](const Patch& p) {
+        return !p.error.empty() && !(p.on && p.on->error.empty());
+    });
     const std::vector<std::string> names = written_names(table.channels, errors);
     const std::size_t channels = table.channels.size();
     std::string text = comment_lines(comment) + comment_lines(written_illuminant(table.channels));
@@ -282,10 +291,12 @@ std::string target_csv_text(const PatchTable& table, std::string_view comment) {
     if (cells) text += ",cell_x_mm,cell_y_mm";
     for (std::size_t c = channels; c < names.size(); ++c) text += fmt::format(",{}", names[c]);
     text += '\n';
-    for (const Patch& patch : table.patches) {
+    std::vector<Patch> rows = bare_patches(table);
+    rows.insert(rows.end(), table.patches.begin(), table.patches.end());
+    for (const Patch& patch : rows) {
         const std::vector<double> values = written_values(table.channels, patch, errors);
-        text += fmt::format("{},{},{}", mixture_text(patch.top), patch.lit ? light_name(*patch.lit) : patch.backing,
-                            patch.thickness_mm);
+        text += fmt::format("{},{},{}", patch.top.empty() ? bare_text(patch.on->kind) : mixture_text(patch.top),
+                            patch.lit ? light_name(*patch.lit) : patch.backing, patch.thickness_mm);
         for (std::size_t c = 0; c < channels; ++c) text += fmt::format(",{}", values[c]);
         if (base) text += fmt::format(",{}", patch.base_mm);
         if (cells) text += fmt::format(",{:.6g},{:.6g}", patch.cell_mm[0], patch.cell_mm[1]);

@@ -7,9 +7,11 @@
 //
 // `top` is a role or a mixture in percent, "C:10+W:90"; `backing` a role, or the light that falls from behind upon a
 // slab in air of which the values say what share comes through: "light" from all sides, or a "beam"
-// (slab_transmission.h). L,a,b or X,Y,Z may stand in place of R,G,B (measured_values.h). Optional columns, anywhere
-// after the first three: `base_mm` (thickness of the base), the standard error of a channel, `R_se`, `400_se`, and
-// `cell_x_mm`, `cell_y_mm` of squares whose two resins lie as a checker.
+// (slab_transmission.h), or a surface (patch_surfaces.h), which has a row of its own: `top` is "bare:matt",
+// "bare:smooth" or "bare:mirror", "+gap" after it where air lies under the squares, thickness_mm 0. L,a,b or X,Y,Z may
+// stand in place of R,G,B (measured_values.h). Optional columns, anywhere after the first three: `base_mm` (thickness
+// of the base), the standard error of a channel, `R_se`, `400_se`, and `cell_x_mm`, `cell_y_mm` of squares whose two
+// resins lie as a checker.
 #pragma once
 
 #include <optional>

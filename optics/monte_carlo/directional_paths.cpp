@@ -35,6 +35,8 @@ double mean_transmittance(double eta) {
 DirectionalPaths::DirectionalPaths(const Scene& scene, double roulette_weight)
     : walk_(scene),
       backing_(scene.backing),
+      sheet_(scene.sheet),
+      pitch_mm_{scene.volume->pitch_mm()[0], scene.volume->pitch_mm()[1]},
       roulette_weight_(roulette_weight),
       skins_(scene.resins->resins.size() + 1) {
     for (std::size_t m = 0; m < skins_.size(); ++m) {
@@ -46,6 +48,14 @@ DirectionalPaths::DirectionalPaths(const Scene& scene, double roulette_weight)
         skin.T_0 = 1 - fresnel_reflectance(1, skin.eta);
         skin.mean_T = mean_transmittance(skin.eta);
     }
+}
+
+/// Of light that leaves on what lies below.
+double DirectionalPaths::sent_back(const Ray& ray, const Skin& skin, std::size_t channel) const {
+    if (backing_ != Backing::sheet) return backing_ == Backing::white ? 1 : 0;
+    return share_sent_back(static_cast<double>(sheet_->at(ray.voxel[0] * pitch_mm_[0] + ray.at[0],
+                                                          ray.voxel[1] * pitch_mm_[1] + ray.at[1], channel)),
+                           1 - skin.mean_T);
 }
 
 /// B where the ray is, for light that comes along -ray.d.
@@ -93,7 +103,8 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
                 ray.d[stop.axis] = -ray.d[stop.axis];
                 continue;
             }
-            if (!stop.on_sheet || backing_ != Backing::white) return sum;  // calibration knows no other sheets
+            if (stop.on_sheet) weight *= sent_back(ray, skin, channel);
+            if (!stop.on_sheet || weight <= 0) return sum;
             sum += skin.T_0 * weight * (1 - skin.R_45) * beam(ray_from(skin.nu), skin, optics, random) / skin.mean_T;
             ray.d = entering_light(2, 1.0, skin.eta, random);
         }

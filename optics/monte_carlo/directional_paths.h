@@ -9,11 +9,14 @@
 // B the beam's flux per horizontal area,
 //   rho = pi T_0 / (eta^2 nu) sum W p(v . d) B,      B = T_45 exp(-depth to the top) + what the surfaces send back,
 // where the beam is reflected within the slab with the Fresnel reflectance R_45 at top and bottom. Where a path leaves
-// downward on a white sheet it sees T_45 B there, sent back as diffuse light: rho += T_0 W T_45 B / mean T.
+// downward on a sheet it sees T_45 B there, of which a share s (sheet.h) is sent back as diffuse light:
+// rho += s T_0 W T_45 B / mean T.
 // Unbiased; light from below does not exist in this geometry. Resins of indices of their own: a path keeps to that of
 // the resin where it went in.
 #pragma once
 
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "optics/monte_carlo/scalar_paths.h"
@@ -33,10 +36,13 @@ private:
     struct Skin {
         double eta = 1, nu = 1, sine = 0, R_45 = 0, T_0 = 1, mean_T = 1;
     };
+    [[nodiscard]] double sent_back(const Ray& ray, const Skin& skin, std::size_t channel) const;
     [[nodiscard]] double beam(Ray ray, const Skin& skin, const VoxelWalk::Optics& optics, PathRandom& random) const;
 
     VoxelWalk walk_;
     Backing backing_;
+    std::shared_ptr<const Sheet> sheet_;
+    std::array<double, 2> pitch_mm_;
     double roulette_weight_;
     std::vector<Skin> skins_;  ///< per material
 };
