@@ -16,11 +16,11 @@ namespace voxtone::calibration {
 
 namespace {
 
-using optics::SurfaceFinish;
+using optics::BareFinish;
 
 constexpr std::string_view bare_word = "bare:", gap_word = "+gap";
-constexpr std::array<std::pair<std::string_view, SurfaceFinish>, 3> finishes{
-    {{"matt", SurfaceFinish::matt}, {"smooth", SurfaceFinish::smooth}, {"mirror", SurfaceFinish::mirror}}};
+constexpr std::array<std::pair<std::string_view, BareFinish>, 3> finishes{
+    {{"matt", BareFinish::matt}, {"smooth", BareFinish::smooth}, {"mirror", BareFinish::mirror}}};
 
 using Surface = std::shared_ptr<const PatchSurface>;
 
@@ -60,7 +60,7 @@ std::vector<double> as_in(const optics::ResinSet& set, const PatchTable& table, 
 optics::KnownSurface parse_surface_kind(std::string_view text) {
     const bool gap = text.ends_with(gap_word);
     const std::string_view word = gap ? text.substr(0, text.size() - gap_word.size()) : text;
-    const auto found = std::ranges::find(finishes, word, &std::pair<std::string_view, SurfaceFinish>::first);
+    const auto found = std::ranges::find(finishes, word, &std::pair<std::string_view, BareFinish>::first);
     if (found != finishes.end()) return {found->second, gap};
     throw InputError(fmt::format(
         "{} is no surface: it is matt, smooth or a mirror, \"+gap\" behind the word where air lies under the squares.",
@@ -69,7 +69,7 @@ optics::KnownSurface parse_surface_kind(std::string_view text) {
 
 std::string surface_kind_text(const optics::KnownSurface& kind) {
     const auto* const found =
-        std::ranges::find(finishes, kind.finish, &std::pair<std::string_view, SurfaceFinish>::second);
+        std::ranges::find(finishes, kind.finish, &std::pair<std::string_view, BareFinish>::second);
     return std::string(found->first) + std::string(kind.gap ? gap_word : "");
 }
 

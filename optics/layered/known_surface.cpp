@@ -51,10 +51,10 @@ double albedo_under_face(const OrdinatePlan& plan, double rho) {
 Admittance admittance_of(const OrdinatePlan& plan, const KnownSurface& surface, double bare) {
     const AngularGrid& grid = plan.grid();
     const double rho = std::clamp(bare, 0.0, 1.0);
-    if (surface.finish == SurfaceFinish::mirror)
+    if (surface.finish == BareFinish::mirror)
         return by_direction(surface.gap ? (grid.r + grid.t.square() * rho / (1 - grid.r * rho)).eval()
                                         : Eigen::ArrayXd::Constant(grid.c.size(), rho).eval());
-    const bool smooth = surface.finish == SurfaceFinish::smooth;
+    const bool smooth = surface.finish == BareFinish::smooth;
     if (!surface.gap) return diffuser_in_contact(grid, smooth ? albedo_under_face(plan, rho) : rho);
     const double in_air = smooth ? diffuse_in_air(grid, albedo_under_face(plan, rho)) : rho;
     return Admittance::white_sheet(plan, share_sent_back(in_air, reflectance_in_air(grid.eta)));

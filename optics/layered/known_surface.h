@@ -19,10 +19,10 @@ namespace voxtone::optics {
 class OrdinatePlan;
 struct Admittance;
 
-enum class SurfaceFinish { matt, smooth, mirror };
+enum class BareFinish { matt, smooth, mirror };
 
 struct KnownSurface {
-    SurfaceFinish finish = SurfaceFinish::matt;
+    BareFinish finish = BareFinish::matt;
     bool gap = false;  ///< of air, between it and the lowest layer's smooth lower side
     friend bool operator==(const KnownSurface&, const KnownSurface&) = default;
 };

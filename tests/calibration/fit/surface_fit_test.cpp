@@ -78,7 +78,7 @@ void measure_squares(PatchTable& table, const std::function<Eigen::MatrixXd(cons
 std::shared_ptr<const PatchSurface> half_of_card(bool dark, const Doubling& by) {
     const double bare = by.seen(by.diffuser(dark ? black_albedo : white_albedo));
     return std::make_shared<PatchSurface>(
-        PatchSurface{dark ? "black" : "white", {optics::SurfaceFinish::smooth, false}, {bare, bare, bare}, {}});
+        PatchSurface{dark ? "black" : "white", {optics::BareFinish::smooth, false}, {bare, bare, bare}, {}});
 }
 
 void measure_on_card(PatchTable& table, const Doubling& by, double noise, std::uint64_t seed) {
@@ -138,7 +138,7 @@ double error_of_unseen(const optics::ResinSet& set) {
     PatchTable table;
     table.channels = truth.channels;
     const auto grey = std::make_shared<PatchSurface>(
-        PatchSurface{"grey", {optics::SurfaceFinish::smooth, false}, {bare, bare, bare}, {}});
+        PatchSurface{"grey", {optics::BareFinish::smooth, false}, {bare, bare, bare}, {}});
     for (const PatchMixture& top :
          {PatchMixture{{"C", 0.5}, {"M", 0.5}}, PatchMixture{{"C", 0.5}, {"Y", 0.5}},
           PatchMixture{{"M", 0.5}, {"Y", 0.5}}, PatchMixture{{"C", 1}}, PatchMixture{{"M", 1}}, PatchMixture{{"Y", 1}}})
@@ -169,7 +169,7 @@ TEST_CASE("Squares upon a card tell resins exactly, without white and black resi
     CHECK(error_of_unseen(fit.set) < 0.02);
     // What is taken for matt is not.
     PatchTable wrong = on_card(0, 1);
-    change_surfaces(wrong, [](PatchSurface& surface) { surface.kind.finish = optics::SurfaceFinish::matt; });
+    change_surfaces(wrong, [](PatchSurface& surface) { surface.kind.finish = optics::BareFinish::matt; });
     CHECK(error_of_unseen(fit_resins(wrong, {}).set) > 1);
 }
 

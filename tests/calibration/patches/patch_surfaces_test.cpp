@@ -21,15 +21,15 @@
 using namespace voxtone;
 using namespace voxtone::calibration;
 using Catch::Matchers::Contains;
+using optics::BareFinish;
 using optics::Medium;
-using optics::SurfaceFinish;
 
 namespace {
 
 const Medium cloudy{1.0, 2.0};
 constexpr double thin_mm = 0.675;
 
-std::shared_ptr<const PatchSurface> surface(SurfaceFinish finish, double rho, bool gap = false) {
+std::shared_ptr<const PatchSurface> surface(BareFinish finish, double rho, bool gap = false) {
     return std::make_shared<PatchSurface>(PatchSurface{"card", {finish, gap}, {rho}, {}});
 }
 
@@ -72,11 +72,11 @@ TEST_CASE("Upon a diffuser that it wets a layer reflects as by adding-doubling")
     };
     for (const double rho : {0.0, 0.04, 0.5, 0.92}) {
         INFO(rho);
-        CHECK(seen(square(surface(SurfaceFinish::matt, rho)), cloudy) ==
+        CHECK(seen(square(surface(BareFinish::matt, rho)), cloudy) ==
               Approx(by_doubling(grid, cloudy, diffuser(rho))).margin(2e-6));
         // What is bare under a face is a diffuser of a larger albedo.
         const double bare = optics::reflectance_factors(grid, diffuser(rho))(grid.find(1), grid.find(std::sqrt(0.5)));
-        CHECK(seen(square(surface(SurfaceFinish::smooth, bare)), cloudy) ==
+        CHECK(seen(square(surface(BareFinish::smooth, bare)), cloudy) ==
               Approx(by_doubling(grid, cloudy, diffuser(rho))).margin(2e-6));
     }
 }
@@ -84,14 +84,14 @@ TEST_CASE("Upon a diffuser that it wets a layer reflects as by adding-doubling")
 TEST_CASE("A smooth surface under next to nothing is what it is bare, a matt one darker") {
     const Medium clear{1e-6, 1e-6};
     for (const double rho : {0.04, 0.4, 0.85}) {
-        CHECK(seen(square(surface(SurfaceFinish::smooth, rho), 0.001), clear) == Approx(rho).margin(1e-6));
-        CHECK(seen(square(surface(SurfaceFinish::matt, rho), 0.001), clear) < 0.9 * rho);
+        CHECK(seen(square(surface(BareFinish::smooth, rho), 0.001), clear) == Approx(rho).margin(1e-6));
+        CHECK(seen(square(surface(BareFinish::matt, rho), 0.001), clear) < 0.9 * rho);
     }
     // Saunderson of what is brighter than any diffuser under such a face: noise.
-    CHECK(seen(square(surface(SurfaceFinish::smooth, 1.2)), cloudy) ==
-          seen(square(surface(SurfaceFinish::smooth, 1)), cloudy));
-    CHECK(seen(square(surface(SurfaceFinish::smooth, -0.01)), cloudy) ==
-          seen(square(surface(SurfaceFinish::matt, 0)), cloudy));
+    CHECK(seen(square(surface(BareFinish::smooth, 1.2)), cloudy) ==
+          seen(square(surface(BareFinish::smooth, 1)), cloudy));
+    CHECK(seen(square(surface(BareFinish::smooth, -0.01)), cloudy) ==
+          seen(square(surface(BareFinish::matt, 0)), cloudy));
 }
 
 TEST_CASE("Upon a mirror a layer reflects as the half of one twice as thick, lit from both sides") {
@@ -101,12 +101,12 @@ TEST_CASE("Upon a mirror a layer reflects as the half of one twice as thick, lit
     Eigen::MatrixXd R = twice.R_above + twice.D_down;
     R.diagonal().array() += twice.direct / grid.c;
     const double expected = optics::reflectance_factors(grid, R)(grid.find(1), grid.find(std::numbers::sqrt2 / 2));
-    CHECK(seen(square(surface(SurfaceFinish::mirror, 1)), cloudy) == Approx(expected).margin(1e-5));
-    CHECK(seen(square(surface(SurfaceFinish::mirror, 0)), cloudy) ==
-          Approx(seen(square(surface(SurfaceFinish::matt, 0)), cloudy)).margin(1e-12));
+    CHECK(seen(square(surface(BareFinish::mirror, 1)), cloudy) == Approx(expected).margin(1e-5));
+    CHECK(seen(square(surface(BareFinish::mirror, 0)), cloudy) ==
+          Approx(seen(square(surface(BareFinish::matt, 0)), cloudy)).margin(1e-12));
     // Air before a black mirror: the face alone throws back.
-    CHECK(seen(square(surface(SurfaceFinish::mirror, 0, true)), cloudy) ==
-          Approx(seen(square(surface(SurfaceFinish::matt, 0, true)), cloudy)).margin(1e-12));
+    CHECK(seen(square(surface(BareFinish::mirror, 0, true)), cloudy) ==
+          Approx(seen(square(surface(BareFinish::matt, 0, true)), cloudy)).margin(1e-12));
 }
 
 TEST_CASE("Upon a sheet under air a layer reflects as light paths say", "[slow]") {
@@ -125,18 +125,18 @@ TEST_CASE("Upon a sheet under air a layer reflects as light paths say", "[slow]"
         for (std::size_t c = 0; c < 3; ++c) {
             INFO(rho << " " << c << ": " << paths.value[c] << " +- " << paths.standard_error[c]);
             const double expected =
-                seen(square(surface(SurfaceFinish::matt, rho, true)), set.resins[0].medium(c), options);
+                seen(square(surface(BareFinish::matt, rho, true)), set.resins[0].medium(c), options);
             CHECK(std::abs(double(paths.value[c]) - expected) < 4 * double(paths.standard_error[c]) + 1e-5);
             // In contact it would be another one, where light gets as far.
             if (c == 2) continue;
-            CHECK(std::abs(seen(square(surface(SurfaceFinish::matt, rho)), set.resins[0].medium(c), options) -
-                           expected) > 4 * double(paths.standard_error[c]));
+            CHECK(std::abs(seen(square(surface(BareFinish::matt, rho)), set.resins[0].medium(c), options) - expected) >
+                  4 * double(paths.standard_error[c]));
         }
     }
 }
 
 TEST_CASE("The derivatives of squares upon surfaces are those of their reflectance") {
-    for (const SurfaceFinish finish : {SurfaceFinish::matt, SurfaceFinish::smooth, SurfaceFinish::mirror})
+    for (const BareFinish finish : {BareFinish::matt, BareFinish::smooth, BareFinish::mirror})
         for (const bool gap : {false, true}) {
             Patch mixed = square(surface(finish, 0.7, gap));
             mixed.top = {{"C", 0.3}, {"M", 0.7}};
@@ -172,9 +172,9 @@ TEST_CASE("A table names its surfaces in rows of their own, and is written as it
     const PatchTable table = parse_patches(text, "p.csv");
     REQUIRE(table.patches.size() == 3);
     REQUIRE(table.patches[0].on);
-    CHECK(table.patches[0].on->kind == optics::KnownSurface{SurfaceFinish::smooth, false});
+    CHECK(table.patches[0].on->kind == optics::KnownSurface{BareFinish::smooth, false});
     CHECK(table.patches[0].on->rho == std::vector{0.8, 0.79, 0.7});
-    CHECK(table.patches[1].on->kind == optics::KnownSurface{SurfaceFinish::mirror, true});
+    CHECK(table.patches[1].on->kind == optics::KnownSurface{BareFinish::mirror, true});
     CHECK_FALSE(table.patches[2].on);
     const std::string written = patch_table_text(table);
     CHECK_THAT(written, Contains("bare:mirror+gap,foil,0,0.9,0.9,0.9,0.004"));
