@@ -35,16 +35,16 @@ Rows rows_of(const std::vector<int>& fold, int k) {
     return rows;
 }
 
-// One fold: what the others say of it, from the fit of all where it is given.
-void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, const ObserverChoice& choice,
-                  const ChartFitOptions& options, const ResidualShape* shape, const ObserverParts* whole,
-                  const Progress* progress, LeftOut& out) {
-    const auto [kept, left] = rows_of(fold, k);
-    if (left.empty() && !data.is_of_laminates()) return;
-    ChartData part = chart_rows(data, kept);
+// One fold as a fit of the others says it by physics, from the fit of all where it is given: in `out`. What the fit
+// leaves of the others.
+Eigen::MatrixX3d fit_without(const ChartData& data, const Rows& rows, int k, const ObserverChoice& choice,
+                             const ChartFitOptions& options, const ObserverParts* whole, const Progress* progress,
+                             LeftOut& out) {
+    if (rows.left.empty() && !data.is_of_laminates()) return {};
+    ChartData part = chart_rows(data, rows.kept);
     const int folds = static_cast<int>(out.parts.size());
-    const auto [kept_squares, left_squares] = rows_of(folds_of(data.squares.roots.rows(), folds), k);
-    part.squares = square_rows(data.squares, kept_squares);
+    const Rows squares = rows_of(folds_of(data.squares.roots.rows(), folds), k);
+    part.squares = square_rows(data.squares, squares.kept);
     const std::vector<int> edge_fold = folds_of(static_cast<Eigen::Index>(data.edges.size()), folds);
     part.edges.clear();
     for (std::size_t i = 0; i < data.edges.size(); ++i)
@@ -53,24 +53,18 @@ void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, co
     const ObserverFit fit =
         fit_observer(part, model, chart_start(part, choice, options), progress, steps_of_trial, whole);
     out.parts[static_cast<std::size_t>(k)] = fit.parts;
-    const ThinSquares others = square_rows(data.squares, left_squares);
-    const Eigen::MatrixX3d square_roots = SquareColours(others, data.roles, model).roots(fit.parts);
-    for (std::size_t i = 0; i < left_squares.size(); ++i)
-        out.squares.row(left_squares[i]) = square_roots.row(static_cast<Eigen::Index>(i));
-    const Eigen::MatrixX3d physics = predicted_roots(model, fit.parts, data.shares(left, Eigen::all));
-    optics::ColourResidual residual;
-    if (options.residual) {
-        const Eigen::MatrixX3d misfit = part.roots - fit.roots;
-        const ChosenResidual chosen =
-            shape ? ChosenResidual{*shape, 0, true} : choose_residual_shape(part, misfit, progress);
-        if (chosen.helps) residual = make_residual(part, misfit, chosen.shape);
-    }
-    for (std::size_t i = 0; i < left.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        const Eigen::VectorXd shares = data.shares.row(left[i]).transpose();
-        out.physics.row(left[i]) = physics.row(row);
-        out.corrected.row(left[i]) =
-            physics.row(row) + residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
+    const ThinSquares others = square_rows(data.squares, squares.left);
+    out.squares(squares.left, Eigen::all) = SquareColours(others, data.roles, model).roots(fit.parts);
+    out.physics(rows.left, Eigen::all) = predicted_roots(model, fit.parts, data.shares(rows.left, Eigen::all));
+    return part.roots - fit.roots;
+}
+
+void correct(const ChartData& data, const std::vector<Eigen::Index>& left, const optics::ColourResidual& residual,
+             LeftOut& out) {
+    for (const Eigen::Index row : left) {
+        const Eigen::VectorXd shares = data.shares.row(row).transpose();
+        out.corrected.row(row) =
+            out.physics.row(row) + residual({shares.data(), static_cast<std::size_t>(shares.size())}).transpose();
     }
 }
 
@@ -159,13 +153,20 @@ LeftOut leave_out(const ChartData& data, int folds, const ObserverChoice& choice
                   const ResidualShape* shape, const ObserverParts& whole, const Progress* progress) {
     const std::vector<int> fold = folds_of(data.mixtures(), folds);
     LeftOut out = empty_prediction(data, folds);
-    parallel_for(
-        0, static_cast<std::size_t>(folds), 1,
-        [&](std::size_t k) {
-            predict_fold(data, fold, static_cast<int>(k), choice, options, shape,
-                         is_fitted_anew(data) ? nullptr : &whole, progress, out);
-        },
-        progress);
+    const auto predict = [&](std::size_t k) {
+        const Rows rows = rows_of(fold, static_cast<int>(k));
+        const Eigen::MatrixX3d misfit = fit_without(data, rows, static_cast<int>(k), choice, options,
+                                                    is_fitted_anew(data) ? nullptr : &whole, progress, out);
+        optics::ColourResidual residual;
+        if (options.residual && !rows.left.empty()) {
+            const ChartData part = chart_rows(data, rows.kept);
+            const ChosenResidual chosen =
+                shape ? ChosenResidual{*shape, 0, true} : choose_residual_shape(part, misfit, progress);
+            if (chosen.helps) residual = make_residual(part, misfit, chosen.shape);
+        }
+        correct(data, rows.left, residual, out);
+    };
+    parallel_for(0, static_cast<std::size_t>(folds), 1, predict, progress);
     return out;
 }
 
@@ -197,14 +198,29 @@ ChannelCurve channel_curve(const ChartData& data, const ChartFitOptions& options
         },
         progress);
     const std::size_t fits = cuts * choice_folds;
-    const ResidualShape usual = usual_residual_shape(data.resins());
+    std::vector<std::vector<Eigen::MatrixX3d>> misfits(fits, std::vector<Eigen::MatrixX3d>(tried.size()));
     // The largest first: they take longest.
     parallel_for(
         0, tried.size() * fits, 1,
         [&](std::size_t task) {
-            const std::size_t at = tried.size() - 1 - task / fits, cut = task % fits / choice_folds;
-            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options, &usual,
-                         whole.empty() ? nullptr : &whole[at], progress, left[at * cuts + cut]);
+            const std::size_t at = tried.size() - 1 - task / fits, of = task % fits, cut = of / choice_folds;
+            const int k = static_cast<int>(of % choice_folds);
+            misfits[of][at] = fit_without(data, rows_of(fold[cut], k), k, tried[at], options,
+                                          whole.empty() ? nullptr : &whole[at], progress, left[at * cuts + cut]);
+        },
+        progress);
+    // What all channels leave of a fold's others is learnt by one factorisation of their kernel.
+    const ResidualShape usual = usual_residual_shape(data.resins());
+    parallel_for(
+        0, fits, 1,
+        [&](std::size_t of) {
+            const std::size_t cut = of / choice_folds;
+            const Rows rows = rows_of(fold[cut], static_cast<int>(of % choice_folds));
+            std::vector<optics::ColourResidual> residuals(tried.size());
+            if (options.residual && !rows.left.empty())
+                residuals = make_residuals(chart_rows(data, rows.kept), misfits[of], usual);
+            for (std::size_t at = 0; at < tried.size(); ++at)
+                correct(data, rows.left, residuals[at], left[at * cuts + cut]);
         },
         progress);
     ChannelCurve curve;

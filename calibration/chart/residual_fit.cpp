@@ -73,9 +73,16 @@ ResidualShape usual_residual_shape(Eigen::Index resins) {
     return {std::vector<double>(static_cast<std::size_t>(resins), 1.2), 0.02};
 }
 
+std::vector<optics::ColourResidual> make_residuals(const ChartData& data, const std::vector<Eigen::MatrixX3d>& left,
+                                                   const ResidualShape& shape) {
+    const Eigen::LLT<Eigen::MatrixXd> factor(kernel_matrix(data, shape));
+    std::vector<optics::ColourResidual> residuals;
+    for (const Eigen::MatrixX3d& of : left) residuals.emplace_back(shape.lengths, data.shares, factor.solve(of));
+    return residuals;
+}
+
 optics::ColourResidual make_residual(const ChartData& data, const Eigen::MatrixX3d& left, const ResidualShape& shape) {
-    const Eigen::MatrixX3d weights = Eigen::LLT<Eigen::MatrixXd>(kernel_matrix(data, shape)).solve(left);
-    return {shape.lengths, data.shares, weights};
+    return make_residuals(data, {left}, shape).front();
 }
 
 ChosenResidual choose_residual_shape(const ChartData& data, const Eigen::MatrixX3d& left, const Progress* progress) {

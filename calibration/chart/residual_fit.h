@@ -23,9 +23,12 @@ struct ResidualShape {
     double noise = 0.01;          ///< nu, > 0
 };
 
-/// `left`: measured minus predicted roots of the mixtures.
+/// `left`: measured minus predicted roots of the mixtures; of several models, by one factorisation.
 [[nodiscard]] optics::ColourResidual make_residual(const ChartData& data, const Eigen::MatrixX3d& left,
                                                    const ResidualShape& shape);
+[[nodiscard]] std::vector<optics::ColourResidual> make_residuals(const ChartData& data,
+                                                                 const std::vector<Eigen::MatrixX3d>& left,
+                                                                 const ResidualShape& shape);
 
 /// One length for all resins, as charts of five resins want it.
 [[nodiscard]] ResidualShape usual_residual_shape(Eigen::Index resins);
