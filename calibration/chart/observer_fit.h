@@ -19,7 +19,8 @@ struct ObserverFit {
 };
 
 /// Near `start` (observer_start.h), whose scattering and dot spread hold where they are not fitted; it begins there, or
-/// at `from`. Exact derivatives.
+/// at `from`. Laminates begin at `start` and at clearer resins, and the nearer of the two fits is kept. Exact
+/// derivatives.
 [[nodiscard]] ObserverFit fit_observer(const ChartData& data, const ObserverModel& model, const ObserverParts& start,
                                        const Progress* progress = nullptr, int most_steps = steps_of_trial,
                                        const ObserverParts* from = nullptr);

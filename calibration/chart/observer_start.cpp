@@ -97,7 +97,7 @@ ObserverParts observer_start(const ChartData& data, Eigen::Index channels) {
 }
 
 ObserverParts laminate_start(const ChartData& data, Eigen::Index channels) {
-    constexpr double usual_scattering_per_mm = 10;
+    constexpr double usual_scattering_per_mm = 3;
     ObserverParts start;
     start.weights = start_weights(channels);
     start.s.setConstant(data.resins(), channels, usual_scattering_per_mm);
