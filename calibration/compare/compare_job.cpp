@@ -155,6 +155,7 @@ Compared read_one_body(const PredictedBody& body, std::vector<io::Photograph> ph
                        Progress& progress) {
     expect_for_body(job);
     progress.begin_stage("photograph", 0);
+    io::turn_upright(photos.front());
     BodyReading read = read_body(std::move(photos.front()), body, job.read.coding);
     progress.end_stage();
     return {std::move(read.print), std::vector{std::move(read.reading)}};

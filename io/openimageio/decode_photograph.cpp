@@ -70,7 +70,8 @@ Photograph decode_photograph(const std::filesystem::path& file) {
                           raw ? SampleCoding::linear : coding_of(spec),
                           int(8 * spec.format.size()),
                           {},
-                          spec.get_float_attribute("ExposureTime", 0)};
+                          spec.get_float_attribute("ExposureTime", 0),
+                          raw ? 1 : spec.get_int_attribute("Orientation", 1)};
     photograph.pixels.resize(std::size_t(spec.width) * std::size_t(spec.height));
     if (!read_rows(*input, 3, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT), photograph.pixels.data()))
         throw InputError(fmt::format("the photograph {} cannot be decoded ({}); it is damaged or cut short",

@@ -25,7 +25,7 @@ constexpr std::uint64_t most_bytes = std::uint64_t{12} << 30;
 template <class Stream, class Photo>
 requires std::is_same_v<std::remove_const_t<Photo>, Photograph>
 void describe(Stream& stream, Photo& p) {
-    stream(p.name, p.width_px, p.height_px, p.coding, p.bits, p.pixels, p.exposure_s);
+    stream(p.name, p.width_px, p.height_px, p.coding, p.bits, p.pixels, p.exposure_s, p.orientation);
 }
 
 std::vector<std::byte> pack(const Photograph& photograph) { return packed(photograph); }
@@ -38,6 +38,7 @@ Photograph unpack_photograph(std::span<const std::byte> bytes) {
     if (pixels == 0 || photograph.pixels.size() != pixels || photograph.coding > SampleCoding::unknown)
         throw InputError("what the reader left is no photograph: its size is not that of its pixels");
     if (!(photograph.exposure_s > 0 && std::isfinite(photograph.exposure_s))) photograph.exposure_s = 0;
+    if (photograph.orientation < 1 || photograph.orientation > 8) photograph.orientation = 1;
     for (Eigen::Vector3f& pixel : photograph.pixels)
         for (float& value : pixel)
             if (!std::isfinite(value)) value = 0;
@@ -70,6 +71,23 @@ Photograph PhotographReader::read(const std::filesystem::path& file, const Progr
     Photograph photograph = unpack_photograph(program->result(progress));
     program_ = std::move(program);
     return photograph;
+}
+
+void turn_upright(Photograph& photograph) {
+    const int orientation = std::exchange(photograph.orientation, 1);
+    if (orientation == 1) return;
+    const std::uint32_t w = photograph.width_px, h = photograph.height_px;
+    const bool lies = orientation >= 5;
+    Photograph stored = photograph;
+    if (lies) std::swap(photograph.width_px, photograph.height_px);
+    const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8,
+               from_below = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+    for (std::uint32_t y = 0; y < photograph.height_px; ++y)
+        for (std::uint32_t x = 0; x < photograph.width_px; ++x) {
+            const std::uint32_t column = lies ? y : x, row = lies ? x : y;
+            photograph.pixels[photograph.index(x, y)] =
+                stored.pixels[stored.index(from_right ? w - 1 - column : column, from_below ? h - 1 - row : row)];
+        }
 }
 
 void make_linear(Photograph& photograph) {

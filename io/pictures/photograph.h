@@ -34,6 +34,7 @@ struct Photograph {
     int bits = 16;                        ///< of a sample in the file: 8, 16, 32 (float)
     std::vector<Eigen::Vector3f> pixels;  ///< rows from the top, as stored; integers have 1 as their largest value
     double exposure_s = 0;                ///< time of exposure, s, where the file tells it (EXIF), else 0
+    int orientation = 1;                  ///< EXIF's, 1 to 8: as what it is stored; a RAW's is not told
 
     [[nodiscard]] std::size_t index(std::uint32_t x, std::uint32_t y) const { return std::size_t{y} * width_px + x; }
 };
@@ -60,6 +61,10 @@ private:
     std::vector<std::string> files_;
     std::unique_ptr<IsolatedProgram> program_;  ///< waits for the next one; null: none has been read
 };
+
+/// Turns the pixels as the orientation says, which then is 1. Of what lies on a table it may be any: a camera that
+/// looks down does not know how it is held.
+void turn_upright(Photograph& photograph);
 
 /// sRGB codes become linear light.
 void make_linear(Photograph& photograph);

@@ -2,6 +2,7 @@
 #include "io/pictures/photograph.h"
 #include "io/pictures/picture.h"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -196,7 +197,41 @@ TEST_CASE("a JPEG ends with a mark that no thumbnail and no code can be taken fo
         CHECK(jpeg_has_its_end(std::span(bytes).first(size)) == (size + 1 >= bytes.size()));
 }
 
-TEST_CASE("the time of exposure is read from EXIF and EXR", "[slow]") {
+TEST_CASE("a photograph is turned as EXIF says: its first row and column are which sides of what was seen") {
+    enum Side { top, bottom, left, right };
+    constexpr std::array<std::pair<Side, Side>, 8> first_row_and_column{{{top, left},
+                                                                         {top, right},
+                                                                         {bottom, right},
+                                                                         {bottom, left},
+                                                                         {left, top},
+                                                                         {right, top},
+                                                                         {right, bottom},
+                                                                         {left, bottom}}};
+    constexpr std::uint32_t width = 3, height = 2;
+    for (std::size_t o = 0; o < first_row_and_column.size(); ++o) {
+        const auto [row_side, column_side] = first_row_and_column[o];
+        const bool lies = row_side == left || row_side == right;
+        Photograph photo;
+        photo.width_px = lies ? height : width, photo.height_px = lies ? width : height;
+        photo.pixels.resize(std::size_t{width} * height);
+        photo.orientation = int(o) + 1;
+        const auto along = [&](Side side, std::uint32_t x, std::uint32_t y) {
+            return side == top ? y : side == bottom ? height - 1 - y : side == left ? x : width - 1 - x;
+        };
+        for (std::uint32_t y = 0; y < height; ++y)
+            for (std::uint32_t x = 0; x < width; ++x)
+                photo.pixels[photo.index(along(column_side, x, y), along(row_side, x, y))] =
+                    Eigen::Vector3f::Constant(float(10 * y + x));
+        turn_upright(photo);
+        CAPTURE(o + 1);
+        CHECK(photo.orientation == 1);
+        REQUIRE((photo.width_px == width && photo.height_px == height));
+        for (std::uint32_t y = 0; y < height; ++y)
+            for (std::uint32_t x = 0; x < width; ++x) CHECK(photo.pixels[photo.index(x, y)].x() == float(10 * y + x));
+    }
+}
+
+TEST_CASE("the time of exposure and how it is turned are read from EXIF and EXR", "[slow]") {
     const TemporaryFolder folder;
     Photograph photo = smooth(8, 6);
     CHECK(written_and_read(photo, "silent.exr", folder).exposure_s == 0);
@@ -214,6 +249,7 @@ TEST_CASE("the time of exposure is read from EXIF and EXR", "[slow]") {
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_RGB);
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 1u);
+    TIFFSetField(tiff, TIFFTAG_ORIENTATION, 6);
     TIFFSetField(tiff, TIFFTAG_EXIFIFD, std::uint64_t{0});
     std::uint16_t row[6] = {1, 2, 3, 4, 5, 6};
     REQUIRE(TIFFWriteScanline(tiff, row, 0) == 1);
@@ -227,4 +263,6 @@ TEST_CASE("the time of exposure is read from EXIF and EXR", "[slow]") {
     REQUIRE(TIFFRewriteDirectory(tiff));
     TIFFClose(tiff);
     CHECK(read_photograph(file).exposure_s == Approx(0.4).epsilon(1e-6));
+    CHECK(read_photograph(file).orientation == 6);
+    CHECK(read_photograph(file).width_px == 2);  // as stored
 }
