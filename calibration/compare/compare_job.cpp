@@ -119,7 +119,8 @@ std::string comparison_text(const CompareJob& job, const PredictedPrint& print,
 
 std::vector<io::Photograph> read_all(const CompareJob& job, Progress& progress) {
     std::vector<io::Photograph> photos;
-    io::PhotographReader reader(std::vector<std::filesystem::path>(job.photos.begin(), job.photos.end()));
+    io::PhotographReader reader(std::vector<std::filesystem::path>(job.photos.begin(), job.photos.end()),
+                                job.read.coding != io::SampleCoding::linear);
     for (const std::string& file : job.photos) photos.push_back(reader.read(file, &progress));
     return photos;
 }

@@ -38,7 +38,8 @@ std::vector<PhotoMeasurement> measure_all(const PhotoJob& job, const Target& tar
     const CheckerChart chart = find_checker(job.checker);
     std::vector<PhotoMeasurement> photos;
     TargetPicture picture(target);
-    io::PhotographReader reader(std::vector<std::filesystem::path>(job.photos.begin(), job.photos.end()));
+    io::PhotographReader reader(std::vector<std::filesystem::path>(job.photos.begin(), job.photos.end()),
+                                job.measure.coding != io::SampleCoding::linear);
     progress.begin_stage("photographs", job.photos.size(), "photographs");
     for (std::size_t p = 0; p < job.photos.size(); ++p) {
         progress.check_cancelled();

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/openimageio/decode_photograph.h"
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "io/decoders/icc_to_srgb.h"
 #include "io/openimageio/image_rows.h"
 #include "io/openimageio/no_threads.h"
 
@@ -38,9 +42,26 @@ void ask_for_sensor_values(OIIO::ImageSpec& config) {
     config.attribute("raw:user_mul", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 4), as_counted);
 }
 
+/// Nothing is cut off at 0 and 1: colours of a wider space than sRGB keep their light. A profile that cannot be used
+/// changes nothing.
+void apply_profile(const OIIO::ImageSpec& spec, Photograph& photograph) {
+    const OIIO::ParamValue* const profile = spec.find_attribute("ICCProfile");
+    if (!profile) return;
+    std::vector<float> rgba(4 * photograph.pixels.size(), 1.0f);
+    for (std::size_t i = 0; i < photograph.pixels.size(); ++i)
+        std::copy_n(photograph.pixels[i].data(), 3, &rgba[4 * i]);
+    if (!convert_icc_to_srgb({static_cast<const std::uint8_t*>(profile->data()), std::size_t(profile->datasize())},
+                             std::span<float>(rgba))
+             .empty())
+        return;
+    for (std::size_t i = 0; i < photograph.pixels.size(); ++i)
+        std::copy_n(&rgba[4 * i], 3, photograph.pixels[i].data());
+    photograph.coding = SampleCoding::srgb;
+}
+
 }  // namespace
 
-Photograph decode_photograph(const std::filesystem::path& file) {
+Photograph decode_photograph(const std::filesystem::path& file, bool by_profile) {
     use_no_threads();
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
@@ -76,6 +97,7 @@ Photograph decode_photograph(const std::filesystem::path& file) {
     if (!read_rows(*input, 3, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT), photograph.pixels.data()))
         throw InputError(fmt::format("the photograph {} cannot be decoded ({}); it is damaged or cut short",
                                      file.string(), input->geterror()));
+    if (by_profile && !raw && !spec.format.is_floating_point()) apply_profile(spec, photograph);
     return photograph;
 }
 

@@ -10,6 +10,6 @@
 namespace voxtone::io {
 
 /// Throws InputError saying what is wrong with the file.
-[[nodiscard]] Photograph decode_photograph(const std::filesystem::path& file);
+[[nodiscard]] Photograph decode_photograph(const std::filesystem::path& file, bool by_profile = false);
 
 }  // namespace voxtone::io

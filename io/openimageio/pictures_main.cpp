@@ -18,7 +18,8 @@ using namespace voxtone;
 
 io::Packing answer(std::span<const std::byte> bytes) {
     const io::ReadRequest request = io::unpack_request(bytes);
-    if (request.kind == io::ReadKind::photograph) return packing_of(io::decode_photograph(request.path));
+    if (request.kind == io::ReadKind::photograph)
+        return packing_of(io::decode_photograph(request.path, request.use_profile));
     if (request.kind != io::ReadKind::other_picture) throw InputError("what is to be read is no picture");
     return packing_of(io::decode_other(
         request.bytes, request.format, request.path,

@@ -49,7 +49,8 @@ Photograph read_photograph(const std::filesystem::path& file, const Progress* pr
     return PhotographReader(std::span<const std::filesystem::path>{}).read(file, progress);
 }
 
-PhotographReader::PhotographReader(std::span<const std::filesystem::path> files) {
+PhotographReader::PhotographReader(std::span<const std::filesystem::path> files, bool by_profile)
+    : by_profile_(by_profile) {
     for (const std::filesystem::path& file : files) files_.push_back(file.string());
 }
 PhotographReader::~PhotographReader() = default;
@@ -58,7 +59,7 @@ Photograph PhotographReader::read(const std::filesystem::path& file, const Progr
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
         throw FileError(fmt::format("the photograph {} is not there or is no file", file.string()));
-    const ReadRequest request{.kind = ReadKind::photograph, .path = file.string()};
+    const ReadRequest request{.kind = ReadKind::photograph, .path = file.string(), .use_profile = by_profile_};
     std::unique_ptr<IsolatedProgram> program = std::move(program_);  // of no use after most errors
     if (program) {
         program->post_request(pack(request), file.string());

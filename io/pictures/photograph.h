@@ -49,7 +49,9 @@ class IsolatedProgram;
 class PhotographReader {
 public:
     /// All that may be asked for; those that are not there are said when they are.
-    explicit PhotographReader(std::span<const std::filesystem::path> files);
+    /// `by_profile`: whole numbers become sRGB codes where an ICC profile of RGB says what they are, as in phones'
+    /// pictures; else they stay what they are in the file.
+    explicit PhotographReader(std::span<const std::filesystem::path> files, bool by_profile = false);
     PhotographReader(const PhotographReader&) = delete;
     PhotographReader& operator=(const PhotographReader&) = delete;
     ~PhotographReader();
@@ -59,6 +61,7 @@ public:
 
 private:
     std::vector<std::string> files_;
+    bool by_profile_;
     std::unique_ptr<IsolatedProgram> program_;  ///< waits for the next one; null: none has been read
 };
 

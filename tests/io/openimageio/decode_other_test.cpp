@@ -322,6 +322,29 @@ TEST_CASE("TIFF of floating point is linear light, and refused where its numbers
     CHECK_THROWS_WITH(decode_photograph(file), Contains("64-bit"));
 }
 
+TEST_CASE("A photograph's profile says what its codes are, where it is asked for") {
+    const TemporaryFolder folder;
+    const auto read = [&](const TiffPage& page, bool by_profile) {
+        const std::filesystem::path file = folder.path() / "photograph.tif";
+        const Bytes bytes = tiff_of({page});
+        write_whole_file(file, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+        return decode_photograph(file, by_profile);
+    };
+    const auto is = [](const Photograph& photo, const Eigen::Vector3f& codes) {
+        return (photo.pixels.at(7) - codes / 65535).cwiseAbs().maxCoeff() < 2e-3f;
+    };
+    TiffPage page{.bits = 16, .pixel = {60000, 20000, 10000}};
+    CHECK(is(read(page, true), {60000, 20000, 10000}));
+    page.profile = swapped_profile();  // its red is sRGB's blue
+    const Photograph said = read(page, true), stored = read(page, false);
+    CHECK(is(said, {10000, 20000, 60000}));
+    CHECK(said.coding == SampleCoding::srgb);
+    CHECK(is(stored, {60000, 20000, 10000}));
+    CHECK(stored.coding == SampleCoding::unknown);
+    page.profile.resize(100);  // broken: as if there were none
+    CHECK(is(read(page, true), {60000, 20000, 10000}));
+}
+
 TEST_CASE("floating point that is no light is refused, though its black is black") {
     const auto read = [](std::initializer_list<float> greys) {
         std::string pfm("Pf\n" + std::to_string(greys.size()) + " 1\n-1.0\n");
