@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 
 #include "calibration/resins/resin_coordinates.h"
-#include "io/files/base64.h"
-#include "io/files/markup.h"
 #include "io/pictures/picture_writer.h"
 #include "io/report/plot_svg.h"
 
@@ -21,7 +19,8 @@ using io::PlotAxis;
 
 constexpr const char* slab_colours[] = {"#1565c0", "#c62828", "#2e7d32", "#6a1b9a"};
 constexpr const char* channel_colours[] = {"#c62828", "#2e7d32", "#1565c0"};
-constexpr std::uint32_t strip_height_px = 4;
+constexpr Eigen::Index strip_px = 362;  // wide
+constexpr std::uint32_t strip_height_px = 44;
 constexpr double map_range = 200;  // of the distance, from the least
 
 const char* slab_colour(std::size_t s) { return slab_colours[s % std::size(slab_colours)]; }
@@ -31,8 +30,6 @@ Plot::Points points(const Eigen::VectorXd& x, const Eigen::VectorXd& y, Eigen::I
     for (Eigen::Index k = 0; k < y.size(); k += step) list.emplace_back(x[k], y[k]);
     return list;
 }
-
-std::string row_of(const std::string& plots) { return "<div class=\"plots\">\n" + plots + "</div>\n"; }
 
 PlotAxis across_edge(double half) {
     PlotAxis axis{-half, half, false, {}, "mm across the edge"};
@@ -64,23 +61,16 @@ Eigen::Vector3f map_colour(double t) {
     return stops[k] * (1 - part) + stops[k + 1] * part;
 }
 
-std::string image(const io::LinearPicture& picture, int width, int height) {
-    return fmt::format(
-        "<img width=\"{}\" height=\"{}\" style=\"image-rendering:pixelated\" alt=\"\" "
-        "src=\"data:image/png;base64,{}\">",
-        width, height, io::base64(io::png_bytes(io::encode_over(picture, {0, 0, 0}))));
-}
-
-io::LinearPicture strip(const std::array<Eigen::VectorXd, 3>& value) {
-    io::LinearPicture picture{static_cast<std::uint32_t>(value[0].size()), strip_height_px, {}};
-    for (std::uint32_t row = 0; row < strip_height_px; ++row)
-        for (Eigen::Index k = 0; k < value[0].size(); ++k) {
+// Values of R, G, B along rows of one colour each.
+void add_rows(io::LinearPicture& picture, const std::array<Eigen::VectorXd, 3>& value) {
+    for (std::uint32_t row = 0; row < strip_height_px; ++row, ++picture.height_px)
+        for (Eigen::Index column = 0; column < strip_px; ++column) {
             Eigen::Vector4f pixel(0, 0, 0, 1);
-            for (Eigen::Index c = 0; c < 3; ++c)
-                pixel[c] = static_cast<float>(std::clamp(value[static_cast<std::size_t>(c)][k], 0.0, 1.0));
+            for (std::size_t c = 0; c < 3; ++c)
+                pixel[static_cast<Eigen::Index>(c)] =
+                    static_cast<float>(std::clamp(value[c][column * value[c].size() / strip_px], 0.0, 1.0));
             picture.pixels.push_back(pixel);
         }
-    return picture;
 }
 
 io::LinearPicture map_picture(const Eigen::MatrixXd& distance, double least, double most) {
@@ -143,59 +133,48 @@ EdgeObjective EdgePlots::objective(std::size_t channel) const {
     return {channels_[channel].seen, channel, table_, options_.metric};
 }
 
-std::string EdgePlots::profiles() const {
-    std::string plots;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto& [seen, thickness_mm] = channels_[c];
-        if (seen.empty()) continue;
-        double most = 0.01;
-        for (const EdgeObservation& slab : seen) most = std::max(most, fit_.mu * slab.value.maxCoeff());
-        const double half = table_.setup().width_mm / 2;
-        Plot plot(across_edge(half), {0, most * 1.05, false, plot_marks(most), "reflectance"},
-                  fmt::format("{} in {}", resin_.role, "RGB"[c]), 330, 220);
-        const EdgeObjective of = objective(c);
-        for (std::size_t s = 0; s < seen.size(); ++s) {
-            const EdgeObservation& slab = seen[s];
-            for (Eigen::Index k = 0; k < slab.x.size(); k += 4) plot.point(slab.x[k], fit_.mu * slab.value[k], "#bbb");
-            plot.line(points(slab.x, of.simulated(slab, resin_.channel[c].at, resin_.g)), slab_colour(s));
-            plot.label(-0.95 * half, most * (0.95 - 0.1 * static_cast<double>(s)),
-                       fmt::format("{:g} mm", thickness_mm[s]), slab_colour(s));
-        }
-        plots += plot.svg();
+io::ReportDrawing EdgePlots::profiles(std::size_t c) const {
+    const auto& [seen, thickness_mm] = channels_[c];
+    double most = 0.01;
+    for (const EdgeObservation& slab : seen) most = std::max(most, fit_.mu * slab.value.maxCoeff());
+    const double half = table_.setup().width_mm / 2;
+    Plot plot(across_edge(half), {0, most * 1.05, false, plot_marks(most), "reflectance"},
+              fmt::format("{} in {}", resin_.role, "RGB"[c]), 330, 220);
+    const EdgeObjective of = objective(c);
+    for (std::size_t s = 0; s < seen.size(); ++s) {
+        const EdgeObservation& slab = seen[s];
+        for (Eigen::Index k = 0; k < slab.x.size(); k += 4) plot.point(slab.x[k], fit_.mu * slab.value[k], "#bbb");
+        plot.line(points(slab.x, of.simulated(slab, resin_.channel[c].at, resin_.g)), slab_colour(s));
+        plot.label(-0.95 * half, most * (0.95 - 0.1 * static_cast<double>(s)), fmt::format("{:g} mm", thickness_mm[s]),
+                   slab_colour(s));
     }
-    return row_of(plots);
+    return {"", plot.svg()};
 }
 
-std::string EdgePlots::gradients() const {
-    std::string plots;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const std::vector<EdgeObservation>& seen = channels_[c].seen;
-        if (seen.empty()) continue;
-        double steepest = 1e-4;
-        for (const EdgeObservation& slab : seen) steepest = std::max(steepest, fit_.mu * slab.gradient.maxCoeff());
-        Plot plot(across_edge(table_.setup().width_mm / 8),
-                  {0, steepest * 1.1, false, plot_marks(steepest), "gradient"},
-                  fmt::format("{} in {}: gradient", resin_.role, "RGB"[c]), 330, 160);
-        const EdgeObjective of = objective(c);
-        for (std::size_t s = 0; s < seen.size(); ++s) {
-            const EdgeObservation& slab = seen[s];
-            const Eigen::VectorXd between = (slab.x.head(slab.x.size() - 1) + slab.x.tail(slab.x.size() - 1)) / 2;
-            plot.line(points(between, fit_.mu * slab.gradient), "#999", 1);
-            plot.line(points(between, of.simulated_gradient(slab, resin_.channel[c].at, resin_.g)), slab_colour(s));
-        }
-        plots += plot.svg();
+io::ReportDrawing EdgePlots::gradients(std::size_t c) const {
+    const std::vector<EdgeObservation>& seen = channels_[c].seen;
+    double steepest = 1e-4;
+    for (const EdgeObservation& slab : seen) steepest = std::max(steepest, fit_.mu * slab.gradient.maxCoeff());
+    Plot plot(across_edge(table_.setup().width_mm / 8), {0, steepest * 1.1, false, plot_marks(steepest), "gradient"},
+              fmt::format("{} in {}: gradient", resin_.role, "RGB"[c]), 330, 160);
+    const EdgeObjective of = objective(c);
+    for (std::size_t s = 0; s < seen.size(); ++s) {
+        const EdgeObservation& slab = seen[s];
+        const Eigen::VectorXd between = (slab.x.head(slab.x.size() - 1) + slab.x.tail(slab.x.size() - 1)) / 2;
+        plot.line(points(between, fit_.mu * slab.gradient), "#999", 1);
+        plot.line(points(between, of.simulated_gradient(slab, resin_.channel[c].at, resin_.g)), slab_colour(s));
     }
-    return row_of(plots);
+    return {"", plot.svg()};
 }
 
-std::string EdgePlots::neighbours() const {
-    std::string plots;
-    for (std::size_t c = 0; c < 3; ++c)
-        if (!channels_[c].seen.empty()) plots += neighbours(c);
-    return row_of(plots);
+void EdgePlots::add_profiles(io::ReportSection& section) const {
+    using Draw = io::ReportDrawing (EdgePlots::*)(std::size_t) const;
+    for (const Draw draw : {&EdgePlots::profiles, &EdgePlots::gradients, &EdgePlots::neighbours})
+        for (std::size_t c = 0; c < 3; ++c)
+            if (!channels_[c].seen.empty()) section.drawings.push_back((this->*draw)(c));
 }
 
-std::string EdgePlots::neighbours(std::size_t c) const {
+io::ReportDrawing EdgePlots::neighbours(std::size_t c) const {
     const std::vector<EdgeObservation>& seen = channels_[c].seen;
     const EdgeObjective of = objective(c);
     const double g = resin_.g;
@@ -226,14 +205,12 @@ std::string EdgePlots::neighbours(std::size_t c) const {
     }
     for (const EdgeObservation& slab : seen)
         plot.line(points(slab.x, of.simulated(slab, resin_.channel[c].at, g), 2), "#222");
-    return fmt::format("<div>{}<p class=\"note\">distance {:.4f}; {}</p></div>\n", plot.svg(),
-                       resin_.channel[c].distance, distances);
+    return {fmt::format("distance {:.4f}; {}", resin_.channel[c].distance, distances), plot.svg()};
 }
 
-std::string EdgePlots::strips() const {
-    std::string rows;
+void EdgePlots::add_strips(io::ReportSection& section) const {
     const std::size_t slabs = channels_[0].seen.size();
-    if (channels_[1].seen.size() != slabs || channels_[2].seen.size() != slabs) return rows;  // a channel is not known
+    if (channels_[1].seen.size() != slabs || channels_[2].seen.size() != slabs) return;  // a channel is not known
     for (std::size_t s = 0; s < slabs; ++s) {
         std::array<Eigen::VectorXd, 3> measured, simulated;
         for (std::size_t c = 0; c < 3; ++c) {
@@ -241,16 +218,17 @@ std::string EdgePlots::strips() const {
             measured[c] = fit_.mu * slab.value;
             simulated[c] = objective(c).simulated(slab, resin_.channel[c].at, resin_.g);
         }
-        if (measured[0].size() != measured[1].size() || measured[0].size() != measured[2].size()) continue;
-        rows += fmt::format("<tr><td>{} {:g} mm</td><td>{}</td><td>{}</td></tr>\n", io::html_text(resin_.role),
-                            channels_[0].thickness_mm[s], image(strip(measured), 362, 44),
-                            image(strip(simulated), 362, 44));
+        io::LinearPicture picture{strip_px, 0, {}};
+        add_rows(picture, measured);
+        add_rows(picture, simulated);
+        section.pictures.push_back({fmt::format("{}, {:g} mm", resin_.role, channels_[0].thickness_mm[s]),
+                                    io::png_bytes(io::encode_over(picture, {0, 0, 0})), picture.width_px,
+                                    picture.height_px});
     }
-    return rows;
 }
 
-std::string similarity_curves(const EdgeResinFit& resin) {
-    if (resin.by_g.size() < 2) return "";
+void add_similarity_curves(const EdgeResinFit& resin, io::ReportSection& section) {
+    if (resin.by_g.size() < 2) return;
     const double from = resin.by_g.front().first, to = resin.by_g.back().first;
     double farthest = 0, largest = 1;
     for (const auto& [g, distance] : resin.by_g) farthest = std::max(farthest, distance);
@@ -271,33 +249,31 @@ std::string similarity_curves(const EdgeResinFit& resin) {
         }
         media.line(similar, channel_colours[c], 1, true);
     }
-    return row_of(distance.svg() + media.svg());
+    section.drawings.push_back({"", distance.svg()});
+    section.drawings.push_back({"", media.svg()});
 }
 
-std::string similarity_maps(const EdgeSimilarity& similarity, const EdgeFit& fit, std::size_t resin) {
-    std::string text;
+void add_similarity_maps(const EdgeSimilarity& similarity, const EdgeFit& fit, std::size_t resin,
+                         io::ReportSection& section) {
     const EdgeResinFit& of = fit.resins[resin];
     for (std::size_t c = 0; c < 3; ++c) {
         const std::vector<EdgeMap>& maps = similarity.maps[resin][c];
         if (maps.empty()) continue;
         Plot::Points similar;
         for (const EdgeMap& map : maps) similar.emplace_back(1 - map.similar.albedo, map.similar.sigma_t);
-        std::string plots;
         const double least = std::max(1e-6, std::ranges::min(maps, {}, &EdgeMap::at_fitted).at_fitted);
         const double near = std::ranges::min(maps, {}, [&](const EdgeMap& map) { return std::abs(map.g - of.g); }).g;
         for (const EdgeMap& map : maps)
-            plots += one_map(map, similarity, similar, least, map.g == near,
+            section.drawings.push_back(
+                {"", one_map(map, similarity, similar, least, map.g == near,
                              fmt::format("{} in {}, g = {:g}: {:.4f}", of.role, "RGB"[c], map.g, map.at_fitted))
-                         .svg();
-        text += row_of(plots);
+                         .svg()});
         if (maps.size() < 2) continue;
         const EdgeSimilarity::Agreement agreement = similarity.agreement(resin, c);
-        text += fmt::format(
-            "<p class=\"note\">{} in {}: fits and similar media differ by {:.1f} % in extinction and "
-            "{:.4f} in v (rms over g).</p>\n",
-            of.role, "RGB"[c], 100 * agreement.ln_sigma_t, agreement.v);
+        section.paragraphs.push_back(fmt::format(
+            "{} in {}: fits and similar media differ by {:.1f} % in extinction and {:.4f} in v (rms over g).", of.role,
+            "RGB"[c], 100 * agreement.ln_sigma_t, agreement.v));
     }
-    return text;
 }
 
 }  // namespace voxtone::calibration
