@@ -19,7 +19,7 @@
 #include <Eigen/Core>
 
 #include "base/progress.h"
-#include "calibration/profile/exposure_series.h"
+#include "calibration/spot/exposure_series.h"
 #include "optics/media/resins.h"
 #include "optics/numerics/hankel.h"
 #include "optics/profiles/measured_profile.h"
@@ -59,7 +59,7 @@ struct SlabProfiles {
                                          const Progress* progress = nullptr);
 
 /// Photographs in even light, 2 % brighter at the left border than at the right
-/// (calibration/profile/albedo_photographs.h).
+/// (calibration/spot/albedo_photographs.h).
 struct EvenPhotographs {
     Exposure card, card_dark;  ///< slab in the left half, card in the right one
     Exposure slab, screen, lcd_dark;

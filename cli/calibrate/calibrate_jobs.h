@@ -17,11 +17,11 @@
 #include "calibration/fit/fit_job.h"
 #include "calibration/fit/icc_job.h"
 #include "calibration/photo/photo_job.h"
-#include "calibration/profile/profile_job.h"
 #include "calibration/rehearsal/bench_simulation_job.h"
 #include "calibration/rehearsal/photo_simulation_job.h"
 #include "calibration/rehearsal/profile_simulation_job.h"
-#include "calibration/sweep/response_sweep_job.h"
+#include "calibration/spot/profile_job.h"
+#include "calibration/spot/response_sweep_job.h"
 #include "calibration/target/target_job.h"
 
 namespace voxtone::cli {

@@ -16,7 +16,7 @@
 
 #include <vector>
 
-#include "calibration/profile/ring_pixels.h"
+#include "calibration/spot/ring_pixels.h"
 
 namespace voxtone::calibration {
 

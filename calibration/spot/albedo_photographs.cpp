@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/albedo_photographs.h"
+#include "calibration/spot/albedo_photographs.h"
 
 #include <cmath>
 

@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "calibration/profile/radial_average.h"
-#include "calibration/profile/radial_centre.h"
+#include "calibration/spot/radial_average.h"
+#include "calibration/spot/radial_centre.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

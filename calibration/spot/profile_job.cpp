@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/profile_job.h"
+#include "calibration/spot/profile_job.h"
 
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "calibration/profile/profile_plot.h"
+#include "calibration/spot/profile_plot.h"
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/profile_measurement.h"
+#include "calibration/spot/profile_measurement.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/sweep/response_sweep_job.h"
+#include "calibration/spot/response_sweep_job.h"
 
 #include <array>
 #include <numeric>

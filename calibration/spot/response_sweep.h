@@ -4,7 +4,7 @@
 // x_o) of its light (optics/monte_carlo/sampled_bssrdf.h; M. Goesele et al., "DISCO", 2004, and Hasan et al. 2010, Sec.
 // 7.1, are what it is after).
 //
-// Each frame's exposures, less their dark frames, are merged (calibration/profile/exposure_merge.h). Of a card of known
+// Each frame's exposures, less their dark frames, are merged (calibration/spot/exposure_merge.h). Of a card of known
 // albedo, lit by the same square, comes how much light that is: Phi = sum of the card's light / its albedo. Then
 //
 //   R(x_i, x_o) = mean light of the cell of x_o in the frame of x_i / Phi,    total(x_i) = sum of its light / Phi
@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "calibration/profile/exposure_merge.h"
+#include "calibration/spot/exposure_merge.h"
 #include "optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::calibration {

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "calibration/profile/exposure_merge.h"
-#include "calibration/profile/exposure_series.h"
+#include "calibration/spot/exposure_merge.h"
+#include "calibration/spot/exposure_series.h"
 #include "io/files/whole_file.h"
 #include "io/pictures/photograph_writer.h"
 #include "tests/io/files/temporary_folder.h"

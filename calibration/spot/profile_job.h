@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "base/job_result.h"
-#include "calibration/profile/albedo_photographs.h"
-#include "calibration/profile/exposure_series.h"
-#include "calibration/profile/profile_measurement.h"
+#include "calibration/spot/albedo_photographs.h"
+#include "calibration/spot/exposure_series.h"
+#include "calibration/spot/profile_measurement.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/profile_job.h"
+#include "calibration/spot/profile_job.h"
 
 #include <catch2/catch.hpp>
 

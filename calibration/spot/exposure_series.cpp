@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/exposure_series.h"
+#include "calibration/spot/exposure_series.h"
 
 #include <charconv>
 #include <cmath>

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "calibration/profile/exposure_merge.h"
-#include "calibration/profile/radial_average.h"
-#include "calibration/profile/radial_centre.h"
+#include "calibration/spot/exposure_merge.h"
+#include "calibration/spot/radial_average.h"
+#include "calibration/spot/radial_centre.h"
 #include "optics/profiles/measured_profile.h"
 
 namespace voxtone::calibration {

@@ -18,8 +18,8 @@
 #include <Eigen/Core>
 
 #include "base/progress.h"
-#include "calibration/profile/exposure_merge.h"
-#include "calibration/profile/exposure_series.h"
+#include "calibration/spot/exposure_merge.h"
+#include "calibration/spot/exposure_series.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/radial_average.h"
+#include "calibration/spot/radial_average.h"
 
 #include <algorithm>
 #include <array>

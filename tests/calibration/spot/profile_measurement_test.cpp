@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The profile that was photographed comes back: slabs are simulated, photographed with noise and measured.
-#include "calibration/profile/profile_measurement.h"
+#include "calibration/spot/profile_measurement.h"
 
 #include <cmath>
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/exposure_merge.h"
+#include "calibration/spot/exposure_merge.h"
 
 #include <algorithm>
 #include <cmath>

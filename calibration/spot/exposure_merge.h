@@ -20,7 +20,7 @@
 
 #include <Eigen/Core>
 
-#include "calibration/profile/exposure_series.h"
+#include "calibration/spot/exposure_series.h"
 
 namespace voxtone::calibration {
 

@@ -8,7 +8,7 @@
 
 #include "base/job_result.h"
 #include "base/progress.h"
-#include "calibration/sweep/response_sweep.h"
+#include "calibration/spot/response_sweep.h"
 
 namespace voxtone::calibration {
 

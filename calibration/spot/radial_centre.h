@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "calibration/profile/exposure_merge.h"
+#include "calibration/spot/exposure_merge.h"
 
 namespace voxtone::calibration {
 

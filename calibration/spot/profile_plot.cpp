@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/profile_plot.h"
+#include "calibration/spot/profile_plot.h"
 
 #include <algorithm>
 #include <cmath>

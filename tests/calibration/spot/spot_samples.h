@@ -8,8 +8,8 @@
 #include <numbers>
 #include <vector>
 
-#include "calibration/profile/profile_measurement.h"
 #include "calibration/rehearsal/profile_simulation.h"
+#include "calibration/spot/profile_measurement.h"
 
 namespace voxtone::calibration {
 

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "calibration/profile/profile_plot.h"
+#include "calibration/spot/profile_plot.h"
 #include "spot_samples.h"
 #include "tests/same_for_threads.h"
 

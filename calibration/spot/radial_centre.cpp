@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/radial_centre.h"
+#include "calibration/spot/radial_centre.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
-#include "calibration/profile/radial_average.h"
+#include "calibration/spot/radial_average.h"
 
 namespace voxtone::calibration {
 namespace {
