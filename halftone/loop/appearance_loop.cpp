@@ -171,6 +171,8 @@ public:
     [[nodiscard]] LoopResult finish();
 
 private:
+    [[nodiscard]] Colours look_again(const std::optional<SkinMixtures>& best);
+    [[nodiscard]] Colours colours_of(const optics::Appearance& seen, const optics::ResinVolume& volume);
     [[nodiscard]] PartRange this_part(double to);
     [[nodiscard]] bool has_gradient() const { return descent_wanted_ && state_.has_gradient; }
     void notify() {
@@ -228,7 +230,8 @@ private:
     std::vector<std::string> best_remarks_;  ///< of the model, on the best print
     bool cancelled_ = false;
     std::string why_stopped_;
-    std::size_t predictions_ = 0;  ///< of this run, a resumed one's own
+    std::size_t predictions_ = 0;   ///< of this run, a resumed one's own
+    const std::size_t looks_more_;  ///< after all iterations
 };
 
 LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& progress, const LoopListener& listener)
@@ -246,7 +249,8 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
                options.intent != Intent::absolute),
       sequence_(task.model->sequence(task.scene, *task.surface, &progress)),
       around_(*task.surface),
-      descent_wanted_(options.descent && task.mixture_gradient) {
+      descent_wanted_(options.descent && task.mixture_gradient),
+      looks_more_(options.last_look ? 1 : 0) {
     if (!descent_wanted_) wide_.reset();
 }
 
@@ -385,11 +389,7 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
         const PartRange part = this_part(1);
         return sequence_->next(last_.volume, &progress_);
     }();
-    last_.rgb = relative_.colours(seen);
-    if (correction_.any()) {
-        last_.corrections = correction_.of_surface(last_.volume, *task_.surface, &progress_);
-        optics::correct_colours(last_.corrections, last_.rgb);
-    }
+    last_.rgb = colours_of(seen, last_.volume);
     last_.remarks = seen.remarks;
     LoopStep step;
     step.iteration = static_cast<int>(state_.steps.size());
@@ -405,7 +405,17 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     progress_.note(report_line(state_));
     progress_.advance();
     step_part_ = 0;
-    expect_steps(progress_, ++predictions_ + policy_.predictions_left(state_.steps, has_gradient()));
+    expect_steps(progress_, ++predictions_ + policy_.predictions_left(state_.steps, has_gradient()) + looks_more_);
+}
+
+/// Keeps what they were corrected by.
+Colours LoopRun::colours_of(const optics::Appearance& seen, const optics::ResinVolume& volume) {
+    Colours rgb = relative_.colours(seen);
+    if (correction_.any()) {
+        last_.corrections = correction_.of_surface(volume, *task_.surface, &progress_);
+        optics::correct_colours(last_.corrections, rgb);
+    }
+    return rgb;
 }
 
 /// Regions that are worse than without a loop count more in the next step, until they are not.
@@ -453,24 +463,44 @@ bool LoopRun::move_downhill() {
     return true;
 }
 
+/// Without colours where it is stopped meanwhile.
+Colours LoopRun::look_again(const std::optional<SkinMixtures>& best) {
+    try {
+        last_.volume = {};
+        const optics::ResinVolume print = best ? task_.realise(*best) : task_.open_loop();
+        const optics::Appearance seen = [&] {
+            const PartRange part = this_part(1);
+            return sequence_->last(print, &progress_);
+        }();
+        best_remarks_ = seen.remarks;
+        Colours rgb = colours_of(seen, print);
+        progress_.advance();
+        return rgb;
+    } catch (const Cancelled&) {
+        cancelled_ = true;
+        return {};
+    }
+}
+
 LoopResult LoopRun::finish() {
     settle();
-    progress_.end_stage();
-    for (const std::string& remark : best_remarks_) progress_.warn(remark);
-    LoopResult result{std::move(state_),       std::move(in_gamut_), cancelled_,
-                      std::move(why_stopped_), std::nullopt,         std::move(best_remarks_),
-                      measure_.seen_target()};
-    const LoopState& state = result.state;
-    switch (state.steps[state.best].method) {
+    std::optional<SkinMixtures> best;
+    switch (state_.steps[state_.best].method) {
         case LoopMethod::open_loop:
             break;
         case LoopMethod::feedback:  // the best of all is the best by feedback too
-            result.best = mixtures_of(recipes_, state.start_control);
+            best = mixtures_of(recipes_, state_.start_control);
             break;
         case LoopMethod::descent:
-            result.best = state.best_mixtures;
+            best = state_.best_mixtures;
     }
-    return result;
+    Colours last_look;
+    if (options_.last_look && !cancelled_) last_look = look_again(best);
+    progress_.end_stage();
+    for (const std::string& remark : best_remarks_) progress_.warn(remark);
+    return {std::move(state_),       std::move(in_gamut_), cancelled_,
+            std::move(why_stopped_), std::move(best),      std::move(best_remarks_),
+            measure_.seen_target(),  std::move(last_look)};
 }
 
 }  // namespace
@@ -488,7 +518,8 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     expect_finite(task.target);
     // White is predicted first, and belongs to it.
     const int made = resume ? static_cast<int>(resume->state.steps.size()) : 0;
-    progress.begin_stage(loop_stage, static_cast<std::uint64_t>(std::max(0, policy_of(options).most() + 1 - made)),
+    const int more = options.last_look ? 2 : 1;
+    progress.begin_stage(loop_stage, static_cast<std::uint64_t>(std::max(0, policy_of(options).most() + more - made)),
                          "predictions");
     LoopRun run(task, options, progress, listener);
     if (resume)

@@ -71,7 +71,8 @@ struct LoopOptions {
     int most_without_limit = most_iterations;
     double viewing_distance_mm = 300;  ///< > 0
     Intent intent = Intent::relative;
-    bool descent = true;  ///< after feedback, where the model has a gradient
+    bool descent = true;     ///< after feedback, where the model has a gradient
+    bool last_look = false;  ///< at the print that it ends with, as a prediction that stands alone shows it
 };
 
 /// LoopResult::why_stopped of a loop that might have gained more.
@@ -124,6 +125,7 @@ struct LoopResult {
     std::optional<SkinMixtures> best;  ///< nothing: the open loop was best
     std::vector<std::string> remarks;  ///< of the model, on the best iterate (Appearance::remarks)
     std::shared_ptr<const SeenTarget> seen_target;
+    std::vector<Eigen::Vector3f> last_look;  ///< per cell, linear sRGB; empty where none was asked for
 };
 
 /// After each iteration, with all that is needed to go on. What it returns, if anything, is called before any of that

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <mutex>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "base/contracts.h"
@@ -98,6 +101,8 @@ struct CompositionHash {
     }
 };
 
+constexpr std::size_t most_kinds = 65534;  // numbers of 16 bits, one of them for air, one for too many
+
 /// Numbers different compositions in the order in which they are first met.
 class CompositionTable {
 public:
@@ -107,7 +112,7 @@ public:
         const std::size_t number = first_ + in_order_.size();
         const auto [at, fresh] = known_.try_emplace(composition, static_cast<std::uint16_t>(number));
         if (!fresh) return at->second;
-        overflowed_ |= number >= 65535;
+        overflowed_ |= number > most_kinds;
         if (!overflowed_) in_order_.push_back(&at->first);
         return overflowed_ ? std::uint16_t{0} : at->second;
     }
@@ -119,6 +124,26 @@ private:
     std::vector<const Composition*> in_order_;
     std::size_t first_;
     bool overflowed_ = false;
+};
+
+/// Whether there are too many kinds for a grid, as soon as that is certain: by their hashes, of which there are no more
+/// than of kinds.
+class KindCount {
+public:
+    void add(const CompositionTable& table) {
+        const std::scoped_lock lock(mutex_);
+        for (const Composition* const one : table.in_order()) {
+            if (too_many_) return;
+            hashes_.insert(CompositionHash()(*one));
+            too_many_ = hashes_.size() > most_kinds;
+        }
+    }
+    [[nodiscard]] bool too_many() const { return too_many_; }
+
+private:
+    std::mutex mutex_;
+    std::unordered_set<std::size_t> hashes_;
+    std::atomic<bool> too_many_{false};
 };
 
 /// The voxels that count in a solid cell: its own and those of cells that gave it their resin, with their layers.
@@ -199,12 +224,15 @@ public:
     [[nodiscard]] bool run() {
         const std::size_t ranges = (grid_.transport_blocks.size() + range - 1) / range;
         std::vector<CompositionTable> tables(ranges);
+        KindCount kinds;
         const auto number = [&](std::size_t r) {
+            if (kinds.too_many()) return;
             CellVoxels voxels(grid_, volume_);
             for (std::size_t t = r * range; t < end_of(r); ++t) number_block(t, voxels, tables[r]);
+            kinds.add(tables[r]);
         };
         parallel_for(0, ranges, 1, number, progress_);
-        return make_common(tables);
+        return !kinds.too_many() && make_common(tables);
     }
 
 private:

@@ -70,6 +70,11 @@ public:
     [[nodiscard]] virtual Appearance twin(const ResinVolume& volume, const Progress* progress = nullptr) {
         return next(volume, progress);
     }
+    /// The print that is kept in the end, after all others: as a prediction that stands alone shows it, where `next`
+    /// has left something out that does not help to choose. Nothing may follow.
+    [[nodiscard]] virtual Appearance last(const ResinVolume& volume, const Progress* progress = nullptr) {
+        return next(volume, progress);
+    }
     /// Takes the derivatives of the voxels in a box; they are good during the call.
     using GradientVisitor = std::function<void(const ResinGradient&, const VoxelBox&)>;
     /// At the last prediction, of a function F with these d F / d value (as Appearance::value): handed over box by box,

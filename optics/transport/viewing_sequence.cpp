@@ -28,10 +28,10 @@ ResinSet as_printed(const Scene& scene) {
 
 /// A prediction that stands alone sees how far droplets of such a set run (droplet_spread.h: even within a box), within
 /// layers, as a Gaussian as wide. Without, `compare` told light paths of the same print to be blurred by 0.03 mm or
-/// more.
-Scene with_droplets(const Scene& scene, const TransportOptions& options) {
+/// more. A loop chooses without: with them at each step its print of a photograph is as far off by light paths.
+Scene with_droplets(const Scene& scene) {
     Scene seen = scene;
-    if (options.refinement != Refinement::contrast || voxels_are_apart(*scene.resins)) return seen;
+    if (voxels_are_apart(*scene.resins)) return seen;
     const DropletSpread droplets(scene.resins->dot_spread, scene.volume->pitch_mm());
     for (std::size_t a = 0; a < seen.spread_mm.size(); ++a) {
         const double box = 2 * droplets.reach[a] + 1, pitch_mm = scene.volume->pitch_mm()[a];
@@ -60,7 +60,7 @@ void require_memory(const std::string& what, std::size_t needed, std::size_t all
 
 ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options,
                                  const Progress* progress)
-    : scene_(with_droplets(scene, options)),
+    : scene_(options.refinement == Refinement::contrast ? with_droplets(scene) : scene),
       surface_(surface),
       options_(suited_to(*scene.resins, options)),
       halftone_(as_printed(scene), scene.volume->pitch_mm(), seen_from(surface)),
@@ -220,6 +220,14 @@ Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* prog
                    first ? Effort{{1, options_.sweeps, options_.first_change}, first_rounds}
                          : Effort{{1, options_.next_sweeps, options_.next_change}, 0},
                    progress);
+}
+
+Appearance ViewingSequence::last(const ResinVolume& volume, const Progress* progress) {
+    scene_ = with_droplets(scene_);
+    for (Tile& tile : grids_.tiles())
+        if (tile.shape) tile.shape->grid.spread = LateralSpread(scene_.spread_mm, scene_.volume->pitch_mm());
+    const bool first = grids_.tiles()[0].light[0].empty();
+    return predict(volume, {{2, options_.next_sweeps, options_.first_change}, first ? first_rounds : 0}, progress);
 }
 
 Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, const Progress* progress) {

@@ -57,6 +57,8 @@ public:
                                                                         const Progress* progress = nullptr);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
     [[nodiscard]] Appearance twin(const ResinVolume& volume, const Progress* progress = nullptr) override;
+    /// With droplets that run as in `only`, from the light of the print before: two sweeps at the least.
+    [[nodiscard]] Appearance last(const ResinVolume& volume, const Progress* progress = nullptr) override;
     /// A prediction that stands alone, on cells that are cut where `options` say so: the light of a tile is dropped
     /// when the next one's turn comes. Another may follow on the same grids; no other kind may.
     [[nodiscard]] Appearance only(const ResinVolume& volume, const Progress* progress = nullptr);
@@ -103,7 +105,7 @@ private:
     [[nodiscard]] std::size_t gradient_bytes() const;
     void count_memory(std::size_t besides);
 
-    const Scene scene_;
+    Scene scene_;
     const Surface& surface_;
     const TransportOptions options_;
     const EffectiveMedium halftone_;

@@ -161,6 +161,8 @@ std::unique_ptr<const LayerSource> ColourPrint::layers() const {
 
 void ColourPrint::expect_layers(const LayerRange&) {
     prediction_plan_ = plan_prediction(job_, body_, plan_, loop_.has_value());
+    // One that was run for a job without a report took none.
+    if (prediction_plan_.last_look && loop_->result.last_look.empty()) prediction_plan_.by = PredictionPlan::By::model;
     // The volume and its white twin are held at once.
     if (prediction_plan_.by != PredictionPlan::By::nothing)
         volume_.emplace(body_.grid, job_.options.prediction.memory_bytes / 2);
@@ -179,7 +181,11 @@ bool ColourPrint::sees_as_the_loop() const {
 
 JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progress) const {
     volume = parts_.without_coat(std::move(volume), job_.options.prediction.memory_bytes / 2, progress);
-    if (prediction_plan_.by == PredictionPlan::By::loop) return prediction_of_loop(*loop_, std::move(volume));
+    if (prediction_plan_.by == PredictionPlan::By::loop) {
+        JobPrediction known = prediction_of_loop(*loop_, std::move(volume));
+        if (loop_->reread) find_faces(known, progress);
+        return known;
+    }
     std::optional<optics::ResinVolume> white;
     if (parts_.zones().any()) {
         const int white_resin = colour_->appearance.geometry().white();
@@ -193,6 +199,13 @@ JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progres
                       loop_ && !loop_->reread ? &loop_->cells->seen : nullptr, twin, progress);
     if (loop_) prediction.open_loop = loop_->result.state.open;
     return prediction;
+}
+
+void ColourPrint::find_faces(JobPrediction& prediction, const Progress& progress) const {
+    optics::Surface& cells = prediction.predicted.surface;
+    const optics::Scene scene = scene_of(prediction.volume, job_.resins, body_, job_.options.picture.backing);
+    optics::Surface found = optics::find_surface(scene, cells.cell_voxels, seen_part(body_), &progress);
+    if (found.cells.size() == cells.cells.size()) cells = std::move(found);
 }
 
 void ColourPrint::evaluate(const io::StackDescription&, Progress& progress) {

@@ -63,6 +63,8 @@ private:
     void print_loop();
     /// Its white is what the job's model would see of it too.
     [[nodiscard]] bool sees_as_the_loop() const;
+    /// Of cells that came from a file.
+    void find_faces(JobPrediction& prediction, const Progress& progress) const;
     [[nodiscard]] JobPrediction predict(optics::ResinVolume volume, Progress& progress) const;
 
     const OpenedJob& job_;

@@ -225,6 +225,7 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     options.viewing_distance_mm = job.loop.viewing_distance_mm;
     options.intent = job.loop.intent;
     options.descent = plan.descent;
+    options.last_look = plan.last_look;
 
     JobLoop loop;
     loop.model = name_of(job.loop.model);

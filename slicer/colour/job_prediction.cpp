@@ -98,11 +98,12 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool ada
 JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume) {
     const ViewedCells& cells = loop.cells->seen;
     JobPrediction job;
-    job.model = loop.model + ", in the loop's cells";
+    const std::vector<Eigen::Vector3f>& last_look = loop.result.last_look;
+    job.model = last_look.empty() ? loop.model + ", in the loop's cells" : loop.model;
     job.volume = std::move(volume);
     job.predicted.surface = cells.surface;
     job.predicted.channels = 3;
-    job.predicted.rgb = loop.result.state.shown;
+    job.predicted.rgb = last_look.empty() ? loop.result.state.shown : last_look;
     for (const Eigen::Vector3f& rgb : job.predicted.rgb)
         job.predicted.value.insert(job.predicted.value.end(), rgb.data(), rgb.data() + 3);
     job.target = cells.target;

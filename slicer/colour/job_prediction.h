@@ -82,8 +82,8 @@ struct JobPrediction {
 [[nodiscard]] SeenPrint seen_from(const JobPrediction& prediction, double viewing_distance_mm, bool adapts,
                                   std::shared_ptr<const halftone::SeenTarget> asked = nullptr);
 
-/// What the appearance loop itself predicted of the print that it chose; the volume is that print. Colours only:
-/// what the loop saw by channel is not kept.
+/// What the appearance loop itself predicted of the print that it chose, by its last look where it took one; the
+/// volume is that print. Colours only: what the loop saw by channel is not kept.
 [[nodiscard]] JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume);
 
 /// `known`: the cells of this print; null: they are found here. `white`: what it is where clear resin lies over the

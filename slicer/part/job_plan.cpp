@@ -23,6 +23,7 @@ JobPlan plan_job(const OpenedJob& job, const JobBody& body) {
         plan.all_white = prints_all_white(SurfaceColour(body.model.mesh, job.options.prediction.cell_mm), job.resins);
         plan.loop = plan_loop(job, body, plan.all_white);
         plan.prediction = plan_prediction(job, body, plan, plan.loop.wanted);
+        plan.loop.last_look = plan.prediction.last_look;
     }
     plan.phases =
         phase_estimates(job, body, {plan.layers, plan.loop, plan.prediction}, thread_count(), resident_bytes());

@@ -99,7 +99,8 @@ LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, st
                       : plan.patient       ? halftone::patient_iterations
                                            : usual_by_descent;
     const int by_feedback = plan.descent ? std::min(cost.iterations, halftone::feedback_iterations) : cost.iterations;
-    cost.cpu_seconds = cells * (first_s + by_feedback * feedback_s + (cost.iterations - by_feedback) * descent_s);
+    const int feedback_like = by_feedback + (plan.last_look ? 1 : 0);
+    cost.cpu_seconds = cells * (first_s + feedback_like * feedback_s + (cost.iterations - by_feedback) * descent_s);
     const double bytes = of_program + cells * (plan.descent ? descent_bytes : feedback_bytes);
     if (allowed_bytes == 0) return cost;
     cost.most_bytes = std::max(double(allowed_bytes), least_bytes(cells));

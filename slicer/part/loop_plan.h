@@ -22,6 +22,7 @@ struct LoopPlan {
     int iterations = -1;       ///< most; -1: until it stops gaining
     bool patient = false;      ///< it may go on for long while it gains
     bool descent = true;       ///< after feedback
+    bool last_look = false;    ///< its last prediction is the job's (prediction_plan.h)
     std::string why_not;       ///< where it is not wanted: a sentence, or empty where none is due
     std::string does_not_fit;  ///< where it would surely take more memory than is allowed: a sentence
 };

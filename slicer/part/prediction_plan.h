@@ -20,12 +20,15 @@ struct PredictionPlan {
     };
     By by = By::nothing;
     PredictionModel model = PredictionModel::transport;
-    std::string why_not;  ///< where nothing: a sentence for the report; may be empty
+    std::string why_not;     ///< where nothing: a sentence for the report; may be empty
+    bool last_look = false;  ///< of `loop`: it looks once more, at the print that it comes to, as well as `model` would
 };
 
 /// The model that was asked for; or none; or, automatic: the default model up to auto_prediction_cm2 of coloured
-/// surface, above that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never
-/// predicted, nor is a job without a report, nor, without being asked, white beside white (`all_white`).
+/// surface, above that what the appearance loop predicted, if there was one (`looped`). A loop whose cells are those
+/// that the default model would take (not where voxels are apart, which it cuts cells for) looks once more in its
+/// place. A part of the layers is never predicted, nor is a job without a report, nor, without being asked, white
+/// beside white (`all_white`).
 [[nodiscard]] PredictionPlan plan_prediction(const OpenedJob& job, const JobBody& body, bool all_layers, bool looped,
                                              bool all_white);
 

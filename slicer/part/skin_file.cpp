@@ -21,7 +21,7 @@ constexpr std::string_view of_another_job =
     "is what the appearance loop of another job came to (another model, other options that decide its colours, or "
     "another version of this program); take another folder, or make it anew: slice --until loop --overwrite";
 constexpr ArtefactKind skin_kind{
-    "voxtone-skin", 2,
+    "voxtone-skin", 3,
     "is broken and holds no result of an appearance loop; make it again: slice --until loop --overwrite",
     of_another_job, of_another_job};
 
@@ -37,7 +37,8 @@ void skin_in(Stream& stream, Skin& skin) {
     auto best = std::uint64_t(state.best);
     stream(best);
     if constexpr (!std::is_const_v<Skin>) state.best = std::size_t(best);
-    stream(state.steps, state.open, state.shown, state.white, result.in_gamut, result.why_stopped, result.remarks);
+    stream(state.steps, state.open, state.shown, state.white, result.last_look, result.in_gamut, result.why_stopped,
+           result.remarks);
 }
 
 /// A loop without a limit ends where it gains no more: `auto` and `long` differ from where the first ends all the same.
@@ -69,7 +70,8 @@ bool fits_together(const SavedSkin& skin, std::size_t layers) {
     constexpr std::int32_t most_cells = 1 << 24;
     return cells > 0 && *std::min_element(edges.begin(), edges.end()) > 0 && of_all(skin.target) &&
            of_all(state.open) && of_all(state.shown) && state.white.size() % cells == 0 &&
-           of_all(skin.result.in_gamut) && !state.steps.empty() && state.best < state.steps.size() &&
+           (skin.result.last_look.empty() || of_all(skin.result.last_look)) && of_all(skin.result.in_gamut) &&
+           !state.steps.empty() && state.best < state.steps.size() &&
            (skin.mixtures.empty() || skin.mixtures.size() == cells * layers) &&
            std::all_of(skin.surface.cells.begin(), skin.surface.cells.end(), [](const optics::SurfaceCell& cell) {
                return std::all_of(cell.cell.begin(), cell.cell.end(),

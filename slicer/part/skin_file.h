@@ -2,8 +2,8 @@
 //
 // What the appearance loop of a job came to, on disk: OUT/skin.mixtures. Shards of the body read it, and so does a
 // whole job: the loop is run once. It has the mixture of every surface cell and depth, as the screens read it, and what
-// the report says of the loop, the white that it saw among it; some 100 bytes a surface cell. A loop that was left out
-// is told too, so that all shards agree, however much memory each has.
+// the report says of the loop, the white and the last look among it; some 100 bytes a surface cell. A loop that was
+// left out is told too, so that all shards agree, however much memory each has.
 //
 // It belongs to one job, as a checkpoint does (loop_checkpoint.h): to what the inputs hold, all options that decide the
 // loop, --iterations among them, and the version of the program; another job's is refused. A loop that settled before

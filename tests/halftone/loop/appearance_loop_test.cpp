@@ -62,6 +62,67 @@ LoopResult run(SmallSlab& slab, const BlurringModel& model, std::span<const Eige
 
 }  // namespace
 
+TEST_CASE("The last look is at the print that is kept, after all others", "[loop]") {
+    SmallSlab slab(n, black_and_white());
+    const BlurringModel blur(n, 2, 0.5f);
+    /// Says half of what is seen at last.
+    class Halving final : public optics::AppearanceModel {
+    public:
+        explicit Halving(const BlurringModel& blur) : blur_(blur) {}
+        [[nodiscard]] optics::Appearance predict(const optics::Scene& scene, const optics::Surface& surface,
+                                                 const Progress* progress) const override {
+            return blur_.predict(scene, surface, progress);
+        }
+        [[nodiscard]] std::unique_ptr<optics::AppearanceSequence> sequence(const optics::Scene& scene,
+                                                                           const optics::Surface& surface,
+                                                                           const Progress*) const override {
+            class Sequence final : public optics::AppearanceSequence {
+            public:
+                Sequence(const BlurringModel& blur, const optics::Scene& scene, const optics::Surface& surface)
+                    : blur_(blur), scene_(scene), surface_(surface) {}
+                [[nodiscard]] optics::Appearance next(const optics::ResinVolume& volume,
+                                                      const Progress* progress) override {
+                    optics::Scene scene = scene_;
+                    scene.volume = &volume;
+                    return blur_.predict(scene, surface_, progress);
+                }
+                [[nodiscard]] optics::Appearance last(const optics::ResinVolume& volume,
+                                                      const Progress* progress) override {
+                    optics::Appearance seen = next(volume, progress);
+                    for (float& value : seen.value) value *= 0.5f;
+                    return seen;
+                }
+
+            private:
+                const BlurringModel& blur_;
+                const optics::Scene scene_;
+                const optics::Surface& surface_;
+            };
+            return std::make_unique<Sequence>(blur_, scene, surface);
+        }
+
+    private:
+        const BlurringModel& blur_;
+    } const model(blur);
+    const std::vector<Eigen::Vector3f> target = stripes(0.3f, 0.6f);
+    const optics::ResinVolume open = slab.print(mixtures_of(*slab.recipes, target));
+    LoopOptions options;
+    options.iterations = 3;
+    Progress progress;
+    CHECK(run_appearance_loop(slab.task(model, open, target), options, progress).last_look.empty());
+    const int before = blur.predictions;
+    options.last_look = true;
+    TellsSteps steps;
+    const LoopResult result = run_appearance_loop(slab.task(model, open, target), options, steps);
+    CHECK(blur.predictions == 2 * before + 1);
+    CHECK(result.state.best > 0);
+    REQUIRE(result.last_look.size() == result.state.shown.size());
+    for (std::size_t i = 0; i < result.last_look.size(); ++i)
+        CHECK((result.last_look[i] - 0.5f * result.state.shown[i]).norm() < 1e-6f);
+    CHECK(steps.told.front() == 5);
+    CHECK(steps.told.back() == steps.told.front());
+}
+
 TEST_CASE("Surface first: a colour takes the thinnest skin that shows it, pure resins all the way down",
           "[loop][slow]") {
     const SmallSlab slab(2, optics::vero_opaque().subset(Roles{"C", "M", "Y", "K", "W"}));

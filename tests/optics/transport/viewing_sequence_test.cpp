@@ -143,6 +143,26 @@ TEST_CASE("A twin leaves shape and the light between tiles, and no light to star
     CHECK(own < 0.95 * without);
 }
 
+TEST_CASE("The last look of a sequence sees droplets run, as a prediction that stands alone does", "[slow]") {
+    ResinSet set = vero_opaque();
+    set.dot_spread = 0.8;
+    const ResinVolume first = halftoned_sphere(1.5, 0.5), print = halftoned_sphere(1.5, 0.7);
+    const Scene scene{&first, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions patient;
+    patient.sweeps = 8;
+    const Appearance exact = ViewingSequence(scene, surface, patient).only(print);
+    ViewingSequence sequence(scene, surface, on_viewing_cells());
+    (void)sequence.next(first);
+    const Appearance next = sequence.next(print), last = sequence.last(print);
+    const double chosen_by = between(next.value, exact.value).rms, kept = between(last.value, exact.value).rms;
+    CAPTURE(chosen_by, kept);
+    CHECK(kept < 0.002);
+    CHECK(kept < 0.3 * chosen_by);
+    // Of a sequence that has looked at nothing else it is as near.
+    CHECK(between(ViewingSequence(scene, surface, on_viewing_cells()).last(print).value, exact.value).rms < 0.002);
+}
+
 TEST_CASE("A body and its twin on one grid are seen as alone, in parts and in tiles", "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume print = halftoned_sphere(3, 0.5, 1.2), white = all_of(print, 5);

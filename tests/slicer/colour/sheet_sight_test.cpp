@@ -186,6 +186,12 @@ TEST_CASE("The loop's own prediction is that of its cells in three channels, bef
     CHECK(p.difference[8] == 0);
     CHECK(p.summary.mean == Approx(off / 4800));
     CHECK(p.summary.max == Approx(off));
+    // Where it looked once more that look stands.
+    loop.result.last_look.assign(4800, of_codes(1, 2, 3));
+    const JobPrediction last = prediction_of_loop(loop, {});
+    CHECK(last.model == "transport");
+    CHECK(last.predicted.rgb[7] == of_codes(1, 2, 3));
+    CHECK(last.open_loop[7] == of_codes(9, 9, 9));
 }
 
 TEST_CASE("What is seen of a print is over its paper's level where eyes adapt, region by region") {

@@ -285,7 +285,17 @@ TEST_CASE("What predicts a print follows from what was asked for, how large it i
     };
     area(1000);
     CHECK((plan().by == By::model && plan().model == PredictionModel::transport && plan().why_not.empty()));
+    // Up to there the loop looks once more, where it sees as well as the model would: not voxels that are apart.
     CHECK(plan(true, true).by == By::model);
+    job.resins.set.dot_spread = 0.8;
+    body.grid.pitch_mm.setConstant(0.04);
+    CHECK((plan(true, true).by == By::loop && plan(true, true).last_look && !plan().last_look));
+    job.options.loop.model = PredictionModel::layered_profile;
+    CHECK((plan(true, true).by == By::model && !plan(true, true).last_look));
+    job.options.loop.model = PredictionModel::transport;
+    job.options.prediction.cell_mm *= 3;  // it sees such cells alone
+    CHECK(plan(true, true).by == By::model);
+    job.options.prediction.cell_mm /= 3;
     CHECK(plan(true, true, true).by == By::nothing);
     CHECK(plan(true, false, true).why_not ==
           "The print is all of white resin: it is as white as was asked for everywhere.");
@@ -293,6 +303,7 @@ TEST_CASE("What predicts a print follows from what was asked for, how large it i
            plan(false).why_not == "Only a part of the layers was made: a part is not predicted."));
     area(1001);
     CHECK((plan(true, true).by == By::loop && plan(true, true, true).by == By::loop));
+    CHECK_FALSE(plan(true, true).last_look);
     CHECK(plan().by == By::nothing);
     CHECK(plan(true, false, true).why_not ==
           "The coloured surface has 10 cm2; more than 10 cm2 are not predicted without being asked: --predict "

@@ -160,8 +160,8 @@ TEST_CASE("A plan says which phases a job goes through") {
     };
     SliceOptions options = red.options();
     const Planned usual(options);
-    CHECK(phases_of(usual.plan) == and_also(without, {Phase::prepare_loop, Phase::loop, Phase::predict}));
-    CHECK(usual.plan.prediction.by == PredictionPlan::By::model);
+    CHECK(phases_of(usual.plan) == and_also(without, {Phase::prepare_loop, Phase::loop}));
+    CHECK((usual.plan.prediction.by == PredictionPlan::By::loop && usual.plan.loop.last_look));
     CHECK(usual.plan.all_layers);
     CHECK_FALSE(usual.plan.all_white);
     CHECK(usual.plan.grid.size == usual.body.grid.size);

@@ -29,6 +29,7 @@ SavedSkin some_skin(std::size_t cells) {
     skin.result.state.best = 2;
     skin.result.state.open = skin.result.state.shown = skin.target;
     for (std::size_t i = 0; i < 4 * cells; ++i) skin.result.state.white.push_back(0.5f + 0.001f * float(i));
+    skin.result.last_look.assign(cells, Eigen::Vector3f(0.5f, 0.25f, 0.75f));
     skin.result.in_gamut.assign(cells, 1);
     skin.result.why_stopped = "it was asked for";
     skin.result.remarks = {"a remark"};
@@ -60,6 +61,7 @@ TEST_CASE("What the loop came to comes back as it was, for its own job alone", "
     CHECK(back.result.state.best == 2);
     CHECK(back.result.remarks == skin.result.remarks);
     CHECK(back.result.state.white == skin.result.state.white);
+    CHECK(back.result.last_look == skin.result.last_look);
     REQUIRE(back.mixtures.size() == skin.mixtures.size());
     for (std::size_t i = 0; i < skin.mixtures.size(); ++i) CHECK(back.mixtures[i].bound == skin.mixtures[i].bound);
     CHECK(file.is_of_this_job());
@@ -123,6 +125,8 @@ TEST_CASE("What a loop came to whose lists do not fit each other is broken, thou
     CHECK(is_read([](SavedSkin&) {}));
     CHECK(is_read([](SavedSkin& s) { s.mixtures.clear(); }));
     CHECK(is_read([](SavedSkin& s) { s.result.state.white.clear(); }));
+    CHECK(is_read([](SavedSkin& s) { s.result.last_look.clear(); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.result.last_look.pop_back(); }));
     CHECK_FALSE(is_read([](SavedSkin& s) { s.mixtures.pop_back(); }));
     CHECK_FALSE(is_read([](SavedSkin& s) { s.result.state.white.pop_back(); }));
     CHECK_FALSE(is_read([](SavedSkin& s) { s.target.pop_back(); }));
