@@ -121,7 +121,10 @@ std::vector<io::Photograph> read_all(const CompareJob& job, Progress& progress) 
     std::vector<io::Photograph> photos;
     io::PhotographReader reader(std::vector<std::filesystem::path>(job.photos.begin(), job.photos.end()),
                                 job.read.coding != io::SampleCoding::linear);
-    for (const std::string& file : job.photos) photos.push_back(reader.read(file, &progress));
+    for (const std::string& file : job.photos) {
+        photos.push_back(reader.read(file, &progress));
+        io::turn_upright(photos.back());  // --corners are those of the picture as it is shown
+    }
     return photos;
 }
 
@@ -156,7 +159,6 @@ Compared read_one_body(const PredictedBody& body, std::vector<io::Photograph> ph
                        Progress& progress) {
     expect_for_body(job);
     progress.begin_stage("photograph", 0);
-    io::turn_upright(photos.front());
     BodyReading read = read_body(std::move(photos.front()), body, job.read.coding);
     progress.end_stage();
     return {std::move(read.print), std::vector{std::move(read.reading)}};

@@ -43,7 +43,9 @@ std::vector<PhotoMeasurement> measure_all(const PhotoJob& job, const Target& tar
     progress.begin_stage("photographs", job.photos.size(), "photographs");
     for (std::size_t p = 0; p < job.photos.size(); ++p) {
         progress.check_cancelled();
-        photos.push_back(measure_photo(reader.read(job.photos[p], &progress), target, chart, job.measure));
+        io::Photograph photograph = reader.read(job.photos[p], &progress);
+        io::turn_upright(photograph);  // --corners are those of the picture as it is shown
+        photos.push_back(measure_photo(std::move(photograph), target, chart, job.measure));
         PhotoMeasurement& photo = photos.back();
         for (const std::string& warning : photo.warnings) progress.warn(warning);
         io::write_whole_file(overlay_name(job, p), io::png_bytes(photo_overlay(photo, chart)));

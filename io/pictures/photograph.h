@@ -65,8 +65,8 @@ private:
     std::unique_ptr<IsolatedProgram> program_;  ///< waits for the next one; null: none has been read
 };
 
-/// Turns the pixels as the orientation says, which then is 1. Of what lies on a table it may be any: a camera that
-/// looks down does not know how it is held.
+/// Turns the pixels as the orientation says, which then is 1: as the picture is shown. A camera that looks down does
+/// not know how it is held: of several pictures from one place each may be turned otherwise.
 void turn_upright(Photograph& photograph);
 
 /// sRGB codes become linear light.
