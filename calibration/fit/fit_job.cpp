@@ -86,13 +86,7 @@ std::optional<SpreadFit> spread_of(const FitJob& job, PatchTable checkers, const
     if (checkers.patches.empty()) return std::nullopt;
     if (!job.map.target.empty())
         take_ends_off_checkers(checkers, read_target(job.map.target), fit.set, options.model.under == UnderBase::air);
-    ExtinctionErrors errors;
-    for (const FittedResin& resin : fit.resins) {
-        errors.emplace_back();
-        for (const FittedValue& value : resin.sigma_t)
-            errors.back().push_back(value.value > 0 ? value.standard_error / value.value : 0);
-    }
-    return fit_spread(checkers, fit.set, options.noise, errors, 0, &progress);
+    return fit_spread(checkers, fit.set, options.noise, fit.covariance, 0, &progress);
 }
 
 }  // namespace

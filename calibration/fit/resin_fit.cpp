@@ -290,6 +290,7 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
         result.misfit.push_back(c);
         scale[c] = std::sqrt(fits[c].least_chi2 / freedom);
     }
+    for (std::size_t c = 0; c < channels; ++c) result.covariance.emplace_back(scale[c] * scale[c] * fits[c].covariance);
     for (std::size_t r = 0; r < roles.roles.size(); ++r) {
         const std::string& role = roles.roles[r];
         FittedResin& fitted = result.resins.emplace_back();

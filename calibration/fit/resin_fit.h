@@ -22,6 +22,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "base/progress.h"
 #include "calibration/patches/patch_check.h"
 #include "calibration/patches/patch_model.h"
@@ -71,7 +73,9 @@ struct FittedResin {
 
 struct ResinFit {
     optics::ResinSet set;
-    std::vector<FittedResin> resins;    ///< in the order of the set
+    std::vector<FittedResin> resins;  ///< in the order of the set
+    /// By channel: of v and ln sigma_t of each fitted resin in turn, the first ones of the set.
+    std::vector<Eigen::MatrixXd> covariance;
     PatchCheck patches;                 ///< predicted against measured
     std::vector<double> chi2;           ///< per channel
     int freedom = 0;                    ///< patches less fitted values, per channel

@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -20,7 +17,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "calibration/patches/patch_file.h"
-#include "calibration/patches/patch_model.h"
+#include "calibration/resins/checker_contrast.h"
 #include "calibration/target/square_ends.h"
 #include "optics/media/lateral_spread.h"
 #include "optics/media/resin_volume.h"
@@ -123,26 +120,9 @@ private:
     std::uint32_t paths_;
 };
 
-/// By channel: how much darker a mixture is than its resins side by side.
-std::vector<double> lost_by_mixing(const Patch& patch, const optics::ResinSet& resins) {
-    std::vector<Patch> three(3, patch);
-    three[0].top = {{patch.top[0].role, 1.0}}, three[1].top = {{patch.top[1].role, 1.0}};
-    std::vector<std::string> roles;
-    for (const optics::Resin& resin : resins.resins) roles.push_back(resin.role);
-    const PatchModel model(three, roles, {.g = resins.g, .eta = resins.eta});
-    std::vector<double> lost;
-    for (std::size_t c = 0; c < resins.channels.size(); ++c) {
-        std::vector<optics::Medium> media;
-        for (const optics::Resin& resin : resins.resins) media.push_back(resin.medium(c));
-        const std::vector<double> rho = model.rho(media);
-        lost.push_back((rho[0] + rho[1]) / 2 - rho[2]);
-    }
-    return lost;
-}
-
 std::vector<CheckerValue> telling_values(const PatchTable& table, const optics::ResinSet& resins) {
     constexpr std::size_t most_channels = 3;
-    constexpr double of_largest = 0.75, least_lost = 0.05;
+    constexpr double of_best = 0.75, least_darker = 0.05;
     std::vector<CheckerValue> values;
     for (std::size_t p = 0; p < table.patches.size(); ++p) {
         const Patch& patch = table.patches[p];
@@ -151,113 +131,159 @@ std::vector<CheckerValue> telling_values(const PatchTable& table, const optics::
             if (resins.find(role) < 0)
                 throw InputError(fmt::format("{}: checker {} holds {}, a resin of which no square tells anything.",
                                              table.source, patch_name(patch), role));
-        const std::vector<double> lost = lost_by_mixing(patch, resins);
-        std::vector<std::size_t> order(lost.size());
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return lost[a] > lost[b]; });
+        const auto resin = [&](std::size_t k) {
+            return resins.resins[static_cast<std::size_t>(resins.find(patch.top[k].role))];
+        };
+        std::vector<std::pair<double, std::size_t>> order;
+        for (std::size_t c = 0; c < resins.channels.size(); ++c) {
+            const CheckerContrast of = checker_contrast(resin(0).medium(c), resin(1).medium(c), resins.g);
+            if (of.darker >= least_darker) order.emplace_back(-of.per_mm, c);
+        }
+        std::ranges::stable_sort(order, {}, &std::pair<double, std::size_t>::first);
         for (std::size_t k = 0; k < std::min(most_channels, order.size()); ++k)
-            if (lost[order[k]] >= std::max(least_lost, of_largest * lost[order[0]])) values.push_back({p, order[k]});
+            if (order[k].first <= of_best * order[0].first) values.push_back({p, order[k].second});
     }
     return values;
 }
 
-/// Weighted residuals of all values.
+/// What all values are off by, in their errors, as spread and resins have it.
 class Residuals {
 public:
-    Residuals(const PatchTable& table, const optics::ResinSet& resins, std::vector<CheckerValue> values, double noise,
-              std::uint32_t paths, const Progress* progress)
-        : table_(table),
-          noise_(noise),
-          paths_(table, resins, paths),
-          values_(std::move(values)),
-          strips_(strips()),
-          progress_(progress) {}
+    Residuals(const PatchTable& table, std::vector<CheckerValue> values, double noise, std::uint32_t paths,
+              const Progress* progress)
+        : table_(table), values_(std::move(values)), noise_(noise), paths_(paths), progress_(progress) {}
 
-    [[nodiscard]] Eigen::VectorXd operator()(const Eigen::Vector2d& spread_mm) const {
-        Eigen::VectorXd left(static_cast<Eigen::Index>(values_.size()));
-        Eigen::VectorXd level(left.size());
+    /// `with`: of values that hold this resin alone, the others 0; empty: of all.
+    [[nodiscard]] Eigen::VectorXd operator()(const Eigen::Vector2d& spread_mm, const optics::ResinSet& resins,
+                                             const std::string& with = {}) const {
+        const CheckerPaths paths(table_, resins, paths_);
+        Eigen::VectorXd left = Eigen::VectorXd::Zero(size());
         parallel_for(
             0, values_.size(), 1,
             [&](std::size_t i) {
                 const Patch& patch = table_.patches[values_[i].patch];
-                const auto [rho, error] = paths_(values_[i], {spread_mm.x(), spread_mm.y()});
+                if (!with.empty() && !holds(values_[i], with)) return;
+                const auto [rho, error] = paths(values_[i], {spread_mm.x(), spread_mm.y()});
                 const double read = patch.error.empty() ? noise_ : patch.error[values_[i].channel];
-                const auto n = static_cast<Eigen::Index>(i);
-                left[n] = (patch.rho[values_[i].channel] - rho) / std::hypot(read, error);
-                level[n] = rho / std::hypot(read, error);
+                left[static_cast<Eigen::Index>(i)] = (patch.rho[values_[i].channel] - rho) / std::hypot(read, error);
             },
             progress_);
-        for (const std::vector<Eigen::Index>& strip : strips_) {
-            const Eigen::VectorXd of_strip = level(strip);
-            left(strip) -= of_strip * (of_strip.dot(left(strip)) / of_strip.squaredNorm());
-        }
         return left;
     }
-    [[nodiscard]] int freedom() const { return static_cast<int>(values_.size() - strips_.size()) - 2; }
+    [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(values_.size()); }
+    [[nodiscard]] const std::vector<CheckerValue>& values() const { return values_; }
 
-private:
-    /// Values of one channel, pair of resins and base: what fitted resins are wrong by moves them alike.
-    [[nodiscard]] std::vector<std::vector<Eigen::Index>> strips() const {
-        std::map<std::tuple<std::string, std::string, std::string, std::size_t>, std::vector<Eigen::Index>> found;
-        for (std::size_t i = 0; i < values_.size(); ++i) {
-            const Patch& patch = table_.patches[values_[i].patch];
-            found[{patch.top[0].role, patch.top[1].role, patch.backing, values_[i].channel}].push_back(
-                static_cast<Eigen::Index>(i));
-        }
-        std::vector<std::vector<Eigen::Index>> all;
-        for (auto& [name, strip] : found) all.push_back(std::move(strip));
-        return all;
+    [[nodiscard]] bool holds(const CheckerValue& value, const std::string& role) const {
+        const Patch& patch = table_.patches[value.patch];
+        return patch.top[0].role == role || patch.top[1].role == role || patch.backing == role;
     }
 
+private:
     const PatchTable& table_;
-    double noise_;
-    CheckerPaths paths_;
     std::vector<CheckerValue> values_;
-    std::vector<std::vector<Eigen::Index>> strips_;
+    double noise_;
+    std::uint32_t paths_;
     const Progress* progress_;
 };
 
-struct MovedResins {
-    const optics::ResinSet& resins;
-    const ExtinctionErrors& errors;
-    const std::vector<CheckerValue>& values;
+/// Coordinates of all resins in all channels, and how far they may be from where squares have them.
+class MovedResins {
+public:
+    MovedResins(const optics::ResinSet& resins, const ResinCovariance& squares)
+        : resins_(resins), moved_(Eigen::VectorXd::Zero(at(resins.channels.size(), 0))) {
+        covariance_ = Eigen::MatrixXd::Zero(moved_.size(), moved_.size());
+        for (std::size_t c = 0; c < squares.size(); ++c) {
+            const Eigen::Index n = squares[c].rows();
+            VOXTONE_EXPECT(n <= at(1, 0) && squares.size() == resins.channels.size());
+            covariance_.block(at(c, 0), at(c, 0), n, n) = within(squares[c]);
+        }
+    }
+    [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
+    [[nodiscard]] const Eigen::VectorXd& moved() const { return moved_; }
+    void move_to(const Eigen::VectorXd& moved) { moved_ = moved; }
+    [[nodiscard]] optics::ResinSet set() const { return set_at(moved_); }
+
+    /// Slopes of residuals by all coordinates.
+    [[nodiscard]] Eigen::MatrixXd slopes(const Residuals& residuals, const Eigen::Vector2d& spread_mm,
+                                         const Eigen::VectorXd& left) const {
+        constexpr double probe_v = 0.02, probe_ln = 0.05;
+        Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(left.size(), moved_.size());
+        if (covariance_.isZero(0)) return slope;
+        for (std::size_t r = 0; r < resins_.resins.size(); ++r)
+            for (const Eigen::Index k : {Eigen::Index{0}, Eigen::Index{1}}) {
+                Eigen::VectorXd beside = moved_;
+                for (std::size_t c = 0; c < resins_.channels.size(); ++c)
+                    beside[at(c, r) + k] += k == 1 ? probe_ln : v_of(c, r) > 0.5 ? -probe_v : probe_v;
+                const Eigen::VectorXd by = residuals(spread_mm, set_at(beside), resins_.resins[r].role) - left;
+                for (Eigen::Index i = 0; i < left.size(); ++i) {
+                    const CheckerValue& value = residuals.values()[static_cast<std::size_t>(i)];
+                    const Eigen::Index to = at(value.channel, r) + k;
+                    if (residuals.holds(value, resins_.resins[r].role))
+                        slope(i, to) = by[i] / (beside[to] - moved_[to]);
+                }
+            }
+        return slope;
+    }
+
+private:
+    /// What no square tells is known as well as that no resin is so black, or so thin.
+    static Eigen::MatrixXd within(const Eigen::MatrixXd& squares) {
+        constexpr double widest_v = 0.5, widest_ln = 1;
+        Eigen::VectorXd most(squares.rows());
+        for (Eigen::Index i = 0; i < most.size(); ++i) most[i] = std::pow(i % 2 == 0 ? widest_v : widest_ln, 2);
+        const Eigen::MatrixXd both = squares + Eigen::MatrixXd(most.asDiagonal());
+        return squares * both.ldlt().solve(Eigen::MatrixXd(most.asDiagonal()));
+    }
+    /// Where the coordinates of a channel's resin begin.
+    [[nodiscard]] Eigen::Index at(std::size_t channel, std::size_t resin) const {
+        return static_cast<Eigen::Index>(2 * (channel * resins_.resins.size() + resin));
+    }
+    [[nodiscard]] double v_of(std::size_t channel, std::size_t resin) const {
+        return point_of(resins_.resins[resin].medium(channel), resins_.g).v + moved_[at(channel, resin)];
+    }
+    [[nodiscard]] optics::ResinSet set_at(const Eigen::VectorXd& moved) const {
+        const ResinBounds bounds = resin_bounds(resins_.g);
+        optics::ResinSet set = resins_;
+        for (std::size_t r = 0; r < set.resins.size(); ++r)
+            for (std::size_t c = 0; c < set.channels.size(); ++c) {
+                const Eigen::Index k = at(c, r);
+                if (moved[k] == 0 && moved[k + 1] == 0) continue;
+                ResinPoint point = point_of(resins_.resins[r].medium(c), resins_.g);
+                point.v = std::clamp(point.v + moved[k], bounds.least_v, bounds.most_v),
+                point.ln_sigma_t += moved[k + 1];
+                set.resins[r].albedo[c] = albedo_of_v(point.v, set.g);
+                set.resins[r].sigma_t_per_mm[c] = std::exp(point.ln_sigma_t);
+            }
+        return set;
+    }
+
+    const optics::ResinSet& resins_;
+    Eigen::VectorXd moved_;
+    Eigen::MatrixXd covariance_;
 };
 
-/// Spread and the logarithms of extinctions by least squares, from slopes; gives the spread's curvature, extinctions
-/// left free. `left`: residuals at the end, those of `at`.
-template <class ResidualsOf>
-Eigen::Matrix2d move_extinctions(const MovedResins& of, const Eigen::MatrixXd& by_spread,
-                                 const ResidualsOf& residuals_of, Eigen::Vector2d& at, Eigen::VectorXd& left) {
-    constexpr double probe = 0.03, least_error = 1e-4;
-    constexpr int rounds = 3;
-    const std::size_t resins = of.resins.resins.size(), channels = of.resins.channels.size();
-    const auto unknowns = static_cast<Eigen::Index>(2 + resins * channels);
-    Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(left.size(), unknowns);
-    Eigen::VectorXd weight = Eigen::VectorXd::Zero(unknowns), moved = weight;
-    slope.leftCols<2>() = by_spread;
-    for (std::size_t r = 0; r < resins; ++r) {
-        optics::ResinSet other = of.resins;
-        for (double& sigma_t : other.resins[r].sigma_t_per_mm) sigma_t *= std::exp(probe);
-        const Eigen::VectorXd by = (residuals_of(other) - left) / probe;
-        for (Eigen::Index i = 0; i < left.size(); ++i)
-            slope(i, static_cast<Eigen::Index>(2 + r * channels + of.values[static_cast<std::size_t>(i)].channel)) =
-                by[i];
-        for (std::size_t c = 0; c < channels; ++c)
-            weight[static_cast<Eigen::Index>(2 + r * channels + c)] =
-                1 / std::pow(std::max(of.errors[r][c], least_error), 2);
+/// By spread along x and along y, from either side.
+Eigen::MatrixXd slopes_by_spread(const Residuals& residuals, const optics::ResinSet& resins,
+                                 const Eigen::Vector2d& at) {
+    constexpr double ratio = 1.25;
+    Eigen::MatrixXd slope(residuals.size(), 2);
+    for (Eigen::Index a = 0; a < 2; ++a) {
+        Eigen::Vector2d more = at, less = at;
+        more[a] *= ratio, less[a] /= ratio;
+        slope.col(a) = (residuals(more, resins) - residuals(less, resins)) / (more[a] - less[a]);
     }
-    const Eigen::MatrixXd curvature = slope.transpose() * slope + Eigen::MatrixXd(weight.asDiagonal());
-    for (int round = 0; round < rounds; ++round) {
-        const Eigen::VectorXd step = -curvature.ldlt().solve(slope.transpose() * left + weight.cwiseProduct(moved));
-        at = (at + step.head<2>()).cwiseMax(at / 2).cwiseMin(2 * at).cwiseMin(optics::widest_spread_mm);
-        moved.tail(unknowns - 2) += step.tail(unknowns - 2);
-        optics::ResinSet other = of.resins;
-        for (std::size_t r = 0; r < resins; ++r)
-            for (std::size_t c = 0; c < channels; ++c)
-                other.resins[r].sigma_t_per_mm[c] *= std::exp(moved[static_cast<Eigen::Index>(2 + r * channels + c)]);
-        left = residuals_of(other);
+    return slope;
+}
+
+Eigen::Vector2d best_of_equal(const Residuals& residuals, const optics::ResinSet& resins) {
+    constexpr std::array starts_mm{0.02, 0.045, 0.09, 0.18};
+    Eigen::Vector2d at;
+    double least = std::numeric_limits<double>::infinity();
+    for (const double start : starts_mm) {
+        const Eigen::Vector2d even(start, start);
+        if (const double chi2 = residuals(even, resins).squaredNorm(); chi2 < least) least = chi2, at = even;
     }
-    return curvature.inverse().topLeftCorner<2, 2>().inverse();
+    return at;
 }
 
 }  // namespace
@@ -265,56 +291,45 @@ Eigen::Matrix2d move_extinctions(const MovedResins& of, const Eigen::MatrixXd& b
 bool SpreadFit::is_told() const { return error[0] > 0 && (mm[0] > 2 * error[0] || mm[1] > 2 * error[1]); }
 
 SpreadFit fit_spread(const PatchTable& checkers, const optics::ResinSet& resins, double noise,
-                     const ExtinctionErrors& errors, std::uint32_t paths, const Progress* progress) {
-    constexpr std::array starts_mm{0.02, 0.045, 0.09, 0.18};
-    constexpr double probe_mm = 0.008, still_mm = 5e-4;
-    constexpr int most_steps = 6;
+                     const ResinCovariance& squares, std::uint32_t paths, const Progress* progress) {
+    constexpr double still_mm = 5e-4;
+    constexpr int most_steps = 4;
     if (paths == 0) {
-        constexpr double paths_at_noise = 6000, usual_noise = 0.005, most = 60000;  // paths add a tenth to the error
+        constexpr double paths_at_noise = 12000, usual_noise = 0.005, most = 60000;  // they add 3 % to the error
         paths = static_cast<std::uint32_t>(
             std::clamp(paths_at_noise * std::pow(usual_noise / noise, 2), paths_at_noise, most));
     }
     const std::vector<CheckerValue> values = telling_values(checkers, resins);
-    const Residuals residuals(checkers, resins, values, noise, paths, progress);
-    if (residuals.freedom() < 1)
+    const Residuals residuals(checkers, values, noise, paths, progress);
+    SpreadFit fit;
+    fit.freedom = static_cast<int>(values.size()) - 2;
+    if (fit.freedom < 1)
         throw InputError(fmt::format(
             "{}: its checkers are of resins too much alike to tell how far they run; print cells of a light resin and "
             "of a dark one (calibrate target --strips).",
             checkers.source));
-    const Residuals rough(checkers, resins, values, noise, std::max(paths / 4, 2u), progress);
-    Eigen::Vector2d at;
-    double least = std::numeric_limits<double>::infinity();
-    for (const double start : starts_mm) {
-        const Eigen::Vector2d even(start, start);
-        if (const double chi2 = rough(even).squaredNorm(); chi2 < least) least = chi2, at = even;
-    }
-    Eigen::VectorXd left = residuals(at);
-    Eigen::MatrixXd slope(left.size(), 2);
-    for (Eigen::Index a = 0; a < 2; ++a) {
-        Eigen::Vector2d beside = at;
-        beside[a] += probe_mm;
-        slope.col(a) = (residuals(beside) - left) / probe_mm;
-    }
-    Eigen::Matrix2d curvature = slope.transpose() * slope;
+    Eigen::Vector2d at = best_of_equal({checkers, values, noise, std::max(paths / 4, 2u), progress}, resins);
+    MovedResins moved(resins, squares);
+    Eigen::VectorXd left = residuals(at, resins);
+    const Eigen::MatrixXd by_resins = moved.slopes(residuals, at, left),
+                          reach = moved.covariance() * by_resins.transpose();
+    // Readings and resins are drawn together: what is not known of resins is noise that many values share.
+    const Eigen::LDLT<Eigen::MatrixXd> spoiled(by_resins * reach + Eigen::MatrixXd::Identity(left.size(), left.size()));
+    Eigen::Matrix2d curvature;
     for (int step = 0; step < most_steps; ++step) {
-        Eigen::Vector2d next = at - curvature.ldlt().solve(slope.transpose() * left);
+        const Eigen::MatrixXd by_spread = slopes_by_spread(residuals, moved.set(), at);
+        const Eigen::VectorXd of_known = left - by_resins * moved.moved();
+        curvature = by_spread.transpose() * spoiled.solve(by_spread);
+        Eigen::Vector2d next = at - curvature.ldlt().solve(by_spread.transpose() * spoiled.solve(of_known));
         next = next.cwiseMax(at / 2).cwiseMin(2 * at).cwiseMin(optics::widest_spread_mm);
         const Eigen::Vector2d by = next - at;
+        at = next;
+        moved.move_to(-reach * spoiled.solve(of_known + by_spread * by));
+        left = residuals(at, moved.set());
         if (by.norm() < still_mm) break;
-        const Eigen::VectorXd of_next = residuals(next);
-        slope += (of_next - left - slope * by) * by.transpose() / by.squaredNorm();
-        curvature = slope.transpose() * slope;
-        if (of_next.squaredNorm() < left.squaredNorm()) at = next, left = of_next;
     }
-    if (!errors.empty()) {
-        const auto residuals_of = [&](const optics::ResinSet& set) {
-            return Residuals(checkers, set, values, noise, paths, progress)(at);
-        };
-        curvature = move_extinctions({resins, errors, values}, slope, residuals_of, at, left);
-    }
-    SpreadFit fit;
-    fit.chi2 = left.squaredNorm();
-    fit.freedom = residuals.freedom();
+    const Eigen::VectorXd of_known = left - by_resins * moved.moved();
+    fit.chi2 = of_known.dot(spoiled.solve(of_known));
     const Eigen::Matrix2d covariance = curvature.inverse() * std::max(1.0, fit.chi2 / fit.freedom);
     for (std::size_t a = 0; a < 2; ++a) {
         const auto i = static_cast<Eigen::Index>(a);

@@ -15,6 +15,7 @@
 #include "calibration/chart/chart_mixtures.h"
 #include "calibration/patches/chart_csv.h"
 #include "calibration/patches/patch_mixture.h"
+#include "calibration/resins/checker_contrast.h"
 #include "calibration/target/ideal_patch.h"
 #include "calibration/target/target_file.h"
 #include "calibration/target/target_scene.h"
@@ -113,24 +114,19 @@ std::vector<PatchMixture> thin_mixtures(std::vector<std::string> roles, std::siz
     return taken;
 }
 
-/// Three resins beside the light one, those that scatter most unlike it in some channel: the finer their cells are
-/// seen.
+/// The light resin and the one beside which it tells most of how far both run: what other pairs add to it is less than
+/// as many more of its own cells do.
 std::vector<std::array<std::string, 2>> pairs_for_strips(const TargetJob& job) {
-    constexpr std::size_t most_pairs = 3;
     const optics::ResinSet set = expected_resins(job);
     const optics::Resin& light = set.resins[static_cast<std::size_t>(set.find(job.layout.light))];
-    std::vector<std::pair<double, std::string>> others;
-    for (const optics::Resin& resin : set.resins) {
-        double unlike = 0;
-        for (std::size_t c = 0; c < set.channels.size(); ++c)
-            unlike = std::max(unlike, std::abs(light.medium(c).sigma_s - resin.medium(c).sigma_s));
-        if (resin.role != light.role) others.emplace_back(-unlike, resin.role);
-    }
-    std::ranges::stable_sort(others, {}, &std::pair<double, std::string>::first);
-    std::vector<std::array<std::string, 2>> pairs;
-    for (std::size_t k = 0; k < std::min(most_pairs, others.size()); ++k)
-        pairs.push_back({others[k].second, light.role});
-    return pairs;
+    std::array<std::string, 2> best{"", light.role};
+    double most = 0;
+    for (const optics::Resin& resin : set.resins)
+        for (std::size_t c = 0; c < set.channels.size() && resin.role != light.role; ++c) {
+            const double told = checker_contrast(light.medium(c), resin.medium(c), set.g).per_mm;
+            if (best[0].empty() || told > most) most = told, best[0] = resin.role;
+        }
+    return {best};
 }
 
 std::string chart_form(const Target& target) {

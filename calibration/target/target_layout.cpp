@@ -109,11 +109,14 @@ struct Checker {
 };
 
 /// Cells that grow along one axis and along the other; the other side is long enough to hide little, and short enough
-/// that a whole number of cells is nearly seen.
+/// that a whole number of cells is nearly seen. Several of a width, of other lengths so that tables tell them apart:
+/// readings are noisy, and the finest, a mixture already, say what resins do to all.
 std::vector<Checker> checkers_of(const TargetOptions& o) {
-    // Columns, rows; the long sides are 0.68 mm each of a J750.
-    constexpr std::array<std::array<int, 2>, 9> cells{
-        {{1, 8}, {2, 8}, {4, 8}, {8, 8}, {16, 8}, {16, 1}, {16, 2}, {16, 4}, {16, 16}}};
+    // Columns, rows; 16 columns or 8 rows are 0.68 mm of a J750.
+    constexpr std::array<std::array<int, 2>, 27> cells{{{1, 8},  {1, 9},  {1, 10}, {1, 11}, {1, 12}, {2, 8},  {2, 10},
+                                                        {2, 12}, {3, 8},  {3, 10}, {3, 12}, {4, 8},  {4, 10}, {6, 8},
+                                                        {8, 8},  {16, 8}, {16, 1}, {18, 1}, {20, 1}, {22, 1}, {16, 2},
+                                                        {18, 2}, {20, 2}, {16, 3}, {16, 4}, {18, 4}, {16, 16}}};
     std::vector<Checker> all;
     for (const auto& [one, other] : o.strips)
         for (const auto& cell : cells) {

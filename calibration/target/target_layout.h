@@ -18,7 +18,7 @@
 // want.
 //
 // Strips of checkers tell how far resin runs before it is cured (calibration/fit/spread_fit.h): half of two resins each
-// in cells of 1, 2, 4, 8 and 16 columns by 8 rows, and of 1 to 16 rows by 16 columns.
+// in cells of 1 to 16 columns by 8 rows or more, and of 1 to 16 rows by 16 columns or more.
 //
 // Every square lies once upon each half; the number of squares grows linearly with that of resins, that of layout
 // E doubles with every resin. Squares are let into the slab, so that its top is flat: between them is the resin of the

@@ -128,9 +128,10 @@ Verb calibrate_target_verb(const CalibrateJobs& jobs) {
                 "mixtures for `calibrate check`, which take no part in a fit",
                 {.choices = {"A", "B", "C", "E", "chart"}});
     command.add("--patches", arguments->thin, "mixtures of --layout chart, each on light and on dark; empty: 121");
-    command.add("--strips", arguments->job.strips,
-                "checkers of growing cells besides, of three pairs of resins, from which `calibrate fit` finds how far "
-                "resin runs before it is cured");
+    command.add(
+        "--strips", arguments->job.strips,
+        "checkers of growing cells besides, of the light resin and the one that tells most beside it, from which "
+        "`calibrate fit` finds how far resin runs before it is cured");
     add_target_options(command, *arguments);
     command.run = [arguments, &jobs] { return run(*arguments, jobs); };
     return command;

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "calibration/patches/patch_file.h"
+#include "calibration/resins/checker_contrast.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -45,12 +46,24 @@ TEST_CASE("checkers of another tracer tell how far resin ran along x and along y
     CHECK(fit.is_told());
     CHECK(std::abs(fit.mm[0] / 0.06 - 1) < 0.15);
     CHECK(std::abs(fit.mm[1] / 0.04 - 1) < 0.15);
-    CHECK(fit.freedom == 6);  // blue alone tells yellow from white; a level each of two strips
+    CHECK(fit.freedom == 8);  // blue alone tells yellow from white
     for (const double error : fit.error) CHECK((error > 0.0002 && error < 0.01));
 }
 
-TEST_CASE("what is not known of extinctions is in the errors of spread", "[slow]") {
-    const ExtinctionErrors errors(optics::vero_opaque().resins.size(), std::vector<double>(3, 0.5));
+TEST_CASE("dense yellow in blue tells more beside white than black does, which lets light far") {
+    const optics::ResinSet set = optics::vero_opaque();
+    const auto told = [&](const char* role, std::size_t channel) {
+        const auto medium = [&](const char* r) { return set.resins[std::size_t(set.find(r))].medium(channel); };
+        return checker_contrast(medium("W"), medium(role), set.g).per_mm;
+    };
+    CHECK(told("Y", 2) > 1.5 * told("C", 0));
+    CHECK(told("C", 0) > 1.5 * told("K", 1));
+    CHECK(told("W", 2) == Approx(0).margin(1e-9));
+}
+
+TEST_CASE("what is not known of resins is in the errors of spread", "[slow]") {
+    const auto coordinates = static_cast<Eigen::Index>(2 * optics::vero_opaque().resins.size());
+    const ResinCovariance errors(3, 0.1 * Eigen::MatrixXd::Identity(coordinates, coordinates));
     const SpreadFit known = fit_spread(traced_checkers(), optics::vero_opaque(), 0.005, {}, 3000),
                     fit = fit_spread(traced_checkers(), optics::vero_opaque(), 0.005, errors, 3000);
     for (const std::size_t axis : {0, 1}) {

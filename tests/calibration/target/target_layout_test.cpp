@@ -155,12 +155,13 @@ TEST_CASE("strips are checkers of growing cells, along x and along y, on light a
     TargetOptions options = target_options(TargetLayout::b);
     options.strips = {{"Y", "W"}, {"K", "W"}};
     const Target target = lay_out_target(options);
-    CHECK(target.squares.size() == target_of(TargetLayout::b).squares.size() + 36);
+    CHECK(target.squares.size() == target_of(TargetLayout::b).squares.size() + 2 * 2 * 27);
     std::set<std::array<int, 2>> on_light, on_dark;
     for (const TargetSquare& square : target.squares)
         if (square.is_checker()) (square.backing == "W" ? on_light : on_dark).insert(square.cell);
-    CHECK(on_light ==
-          std::set<std::array<int, 2>>{{1, 8}, {2, 8}, {4, 8}, {8, 8}, {16, 8}, {16, 1}, {16, 2}, {16, 4}, {16, 16}});
+    CHECK(on_light.size() == 27);
+    for (const std::array<int, 2> cell : {std::array{1, 8}, {2, 8}, {3, 8}, {16, 8}, {16, 1}, {16, 2}, {16, 16}})
+        CHECK(on_light.contains(cell));
     CHECK(on_dark == on_light);
     const std::string text = target_text(target);
     CHECK(target_text(parse_target(text, "target.json")) == text);
@@ -168,7 +169,7 @@ TEST_CASE("strips are checkers of growing cells, along x and along y, on light a
     CHECK_THROWS_WITH(parse_target(replaced(text, "\"cell\": [1, 8]", "\"cell\": [0, 8]"), "t"), Contains("cell"));
     std::size_t boxes = 0;
     for (const TargetBox& box : target_boxes(target)) boxes += box.cell[0] > 0;
-    CHECK(boxes == 36);
+    CHECK(boxes == 2 * 2 * 27);
 }
 
 TEST_CASE("descriptions read back as they were written") {
