@@ -281,7 +281,7 @@ BodyReading read_body(io::Photograph photo, const PredictedBody& body, io::Sampl
     reading.clipped = seen.clipped;
     const BodyLight light = BodyLight::fit(seen.well_seen());
     PredictedPrint& print = out.print;
-    print.name = body.name, print.model = body.model, print.set = body.set;
+    print.name = body.name, print.model = body.model, print.illuminant = body.illuminant, print.set = body.set;
     print.columns = window.columns, print.rows = window.rows;
     print.cell_mm = Eigen::Vector2d::Constant(body.cell_mm);
     print.rgb.assign(cells.size(), Eigen::Vector3f::Constant(ground_grey));

@@ -87,7 +87,10 @@ std::string comparison_json(const CompareJob& job, const PredictedPrint& print,
                             const std::vector<PrintReading>& readings, const PrintDifference& d) {
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-compare").add("version", 1).add("stack", job.stack);
-    json.add("model", print.model).add("cells", std::array{print.columns, print.rows}).add("cell_mm", print.cell_mm);
+    json.add("model", print.model)
+        .add("illuminant", print.illuminant)
+        .add("cells", std::array{print.columns, print.rows})
+        .add("cell_mm", print.cell_mm);
     json.add("viewing_distance_mm", job.viewing_distance_mm);
     json.key("photographs").begin_list();
     for (const PrintReading& reading : readings) add_reading(json, reading, print);

@@ -21,6 +21,7 @@ namespace voxtone::calibration {
 struct PredictedBody {
     std::string name;   ///< of the stack, for messages
     std::string model;  ///< that predicted
+    std::string illuminant = "D65";
     std::vector<Eigen::Vector3f> position, normal;
     std::vector<Eigen::Vector3f> rgb;  ///< linear sRGB, 1 is thick white resin in even light
     std::vector<std::array<std::uint32_t, 3>> triangles;

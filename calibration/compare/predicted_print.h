@@ -28,9 +28,10 @@ struct ResinResponse {
 };
 
 struct PredictedPrint {
-    std::string name;      ///< of the stack, for messages
-    std::string model;     ///< that predicted
-    bool of_body = false;  ///< a body as its photograph shows it; else flat
+    std::string name;                ///< of the stack, for messages
+    std::string model;               ///< that predicted
+    std::string illuminant = "D65";  ///< lamp under which it is looked at
+    bool of_body = false;            ///< a body as its photograph shows it; else flat
     int columns = 0, rows = 0;
     Eigen::Vector2d cell_mm = Eigen::Vector2d::Zero();
     std::vector<Eigen::Vector3f> rgb;       ///< linear sRGB, 1 is thick white resin in even light

@@ -41,6 +41,7 @@ calibration::PredictedPrint flat_print(const CompareArguments& a, slicer::TopPri
     calibration::PredictedPrint print;
     print.name = name_under(a.job.stack, top.illuminant);
     print.model = a.predict.model;
+    print.illuminant = top.illuminant;
     print.columns = top.columns, print.rows = top.rows;
     print.cell_mm = {top.cell_mm[0], top.cell_mm[1]};
     print.rgb = std::move(top.rgb);
@@ -62,6 +63,7 @@ calibration::PredictedBody body_before(const CompareArguments& a, slicer::BodyPr
     calibration::PredictedBody body;
     body.name = name_under(a.job.stack, print->illuminant);
     body.model = a.predict.model;
+    body.illuminant = print->illuminant;
     body.position = print->mesh.positions_mm;
     body.normal = print->normals;
     body.rgb = print->mesh.rgb;

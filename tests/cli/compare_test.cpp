@@ -239,6 +239,20 @@ TEST_CASE("a photographed print differs by as much as the print itself does") {
     CHECK(read_file(folder / "compared/regions.json") == regions);
 }
 
+TEST_CASE("a comparison says by which lamp, and refits by daylight alone") {
+    const Folder folder("lamp");
+    const std::string photograph = photographed(folder, as_foretold(), hand_camera());
+    const nlohmann::json under_a = comparison(folder, photograph, "--illuminant A");
+    CHECK(under_a["illuminant"] == "A");
+    CHECK_THAT(read_file(folder / "compared/compare.html"), Contains(" under A"));
+    CHECK(compared_with_foretold(folder, photograph).json["illuminant"] == "D65");
+
+    const Outcome refused = compare(folder, photograph, "--illuminant A --refit");
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.out, Contains("is looked at under A") && Contains("give --illuminant D65"));
+    CHECK(compare(folder, photograph, "--illuminant sun").exit_code == 3);
+}
+
 TEST_CASE("a rehearsal prints with the resins of the print's job where none are named") {
     const Folder folder("rehearsal");
     const auto rehearsed = [&](const std::string& resins) {
