@@ -27,7 +27,8 @@ JobResult run_check_job(const CheckJob& job, Progress& progress) {
     if (table.is_chart)
         job.map.validate(job.page);
     else if (!job.map.target.empty())
-        take_ends_off(table, square_ends(table, read_target(job.map.target), set, job.model.under));
+        if (const Target target = read_target(job.map.target); target.surfaces.empty())
+            take_ends_off(table, square_ends(table, target, set, job.model.under));
     const PatchCheck check = check_resins(set, table, job.model);
     if (!job.page.empty())
         io::write_whole_file(job.page, check_report_html(table, check, set, read_patch_map(table, job.map, progress)));

@@ -69,8 +69,11 @@ void write_fit(const FitJob& job, const optics::ResinSet& set, const std::string
 
 /// Where the target is known its squares have ends.
 EndedFit fit_squares(const FitJob& job, const PatchTable& table, const FitOptions& options, Progress& progress) {
-    if (!job.map.target.empty()) return fit_ended_squares(table, read_target(job.map.target), options, &progress);
-    if (clear_is_told(table, "T"))
+    const std::optional<Target> target =
+        job.map.target.empty() ? std::nullopt : std::optional(read_target(job.map.target));
+    const bool has_ends = target && target->surfaces.empty();  // hardly any light goes sideways on what is opaque
+    if (has_ends) return fit_ended_squares(table, *target, options, &progress);
+    if (!target && clear_is_told(table, "T"))
         progress.warn(named_warning("assumed",
                                     "squares of clear resin (T) are taken as without end, as wide plates in wide light "
                                     "are; give --target where they are a target's, whose walls are white"));

@@ -85,6 +85,13 @@ std::uint16_t patch_with(const PatchTable& table, const Target& target, const st
 
 /// What lies on top of each pixel and under it, as numbers of boxes.
 void mark_patches(PatchMap& map, const PatchTable& table, const Target& target) {
+    if (!target.surfaces.empty()) {
+        const std::vector<std::size_t> patches = patches_of_squares(table, target);
+        for (std::size_t s = 0; s < patches.size(); ++s)
+            rasterize(map, target.squares[s].area,
+                      [&](std::size_t pixel) { map.patch_of[pixel] = std::uint16_t(patches[s]); });
+        return;
+    }
     const std::vector<TargetBox> boxes = target_boxes(target);
     std::vector<std::pair<std::size_t, std::size_t>> of(map.patch_of.size());
     for (std::size_t b = 0; b < boxes.size(); ++b)

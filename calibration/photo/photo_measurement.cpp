@@ -10,6 +10,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/warning.h"
+#include "calibration/target/target_surfaces.h"
 #include "optics/colour/channels.h"
 
 namespace voxtone::calibration {
@@ -320,6 +321,11 @@ void tell_negative(const NegativeSquares& negative, Told told, const Target& tar
         result.warnings.push_back(named_warning("beyond-rgb", where + "; it is written as it is."));
 }
 
+void make_wide(std::vector<double>& rho) {
+    const Vector3d values = to_wide() * Vector3d(rho[0], rho[1], rho[2]);
+    rho.assign(values.begin(), values.end());
+}
+
 void widen(std::vector<Mean>& means) {
     const Eigen::Matrix3d map = to_wide();
     for (Mean& mean : means) {
@@ -397,9 +403,8 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
     if (!target.is_chart()) tell_too_light(means, target, result);
     for (std::size_t s = 0; s < means.size(); ++s) {
         const TargetSquare& square = target.squares[s];
-        Patch patch{square.top, square.backing,        target.depth_mm(square), target.under_mm(square), {},
-                    {},         square_name(target, s)};
-        patch.cell_mm = target.cell_mm(square);
+        Patch patch = patch_of(target, square);
+        patch.where = square_name(target, s);
         if (target.is_chart()) patch.backing.clear(), patch.thickness_mm = patch.base_mm = 0;
         for (int channel = 0; channel < 3; ++channel) {
             const double rho = means[s].rho[channel];
@@ -408,6 +413,7 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
         }
         result.table.patches.push_back(std::move(patch));
     }
+    if (wide) change_surfaces(result.table, [](PatchSurface& surface) { make_wide(surface.rho); });
     return result;
 }
 

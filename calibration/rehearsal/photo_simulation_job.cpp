@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "calibration/patches/patch_file.h"
 #include "calibration/target/target_file.h"
+#include "calibration/target/target_surfaces.h"
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
@@ -39,15 +40,14 @@ PatchTable true_table(const Target& target, const TargetColours& colours) {
     for (std::size_t s = 0; s < target.squares.size(); ++s) {
         const TargetSquare& square = target.squares[s];
         const Eigen::Vector3d rho = map * colours.squares[s];
-        table.patches.push_back({square.top,
-                                 square.backing,
-                                 target.depth_mm(square),
-                                 target.under_mm(square),
-                                 {rho[0], rho[1], rho[2]},
-                                 {},
-                                 {}});
-        table.patches.back().cell_mm = target.cell_mm(square);
+        table.patches.push_back(patch_of(target, square));
+        table.patches.back().rho = {rho[0], rho[1], rho[2]};
     }
+    if (wide)
+        change_surfaces(table, [&](PatchSurface& surface) {
+            const Eigen::Vector3d rho = map * Eigen::Vector3d(surface.rho[0], surface.rho[1], surface.rho[2]);
+            surface.rho.assign(rho.begin(), rho.end());
+        });
     return table;
 }
 

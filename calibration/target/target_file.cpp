@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "calibration/patches/patch_file.h"
 #include "calibration/target/marker_pattern.h"
+#include "calibration/target/target_surfaces.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 
@@ -25,8 +26,8 @@ Area area_of(const io::JsonObject& object, std::string_view key) {
 }
 
 Target from_json(const io::JsonObject& object, const std::string& source) {
-    object.allow_only({"format", "version", "printer", "pitch_um", "layout", "roles", "light", "dark", "top_mm",
-                       "base_mm", "size_mm", "dark_half_mm", "squares", "fiducials"});
+    object.allow_only({"format", "version", "printer", "pitch_um", "layout", "roles", "light", "dark", "surfaces",
+                       "top_mm", "base_mm", "size_mm", "dark_half_mm", "squares", "fiducials"});
     if (object.text("format") != "voxtone-target")
         object.fail("format", "must be \"voxtone-target\": this is no description of a calibration target");
     if (object.integer("version", 1, 1000000) != 1)
@@ -40,6 +41,17 @@ Target from_json(const io::JsonObject& object, const std::string& source) {
     target.roles = object.texts("roles");
     target.light = object.text("light");
     target.dark = object.text("dark");
+    if (object.has("surfaces"))
+        for (const io::JsonObject& one : object.objects("surfaces")) {
+            one.allow_only({"name", "kind", "rgb"});
+            PatchSurface surface{one.text("name"), {}, one.numbers("rgb", 3, 0, 1), {}};
+            try {
+                surface.kind = parse_surface_kind(one.text("kind"));
+            } catch (const InputError& error) {
+                one.fail("kind", error.what());
+            }
+            target.surfaces.push_back(std::make_shared<const PatchSurface>(std::move(surface)));
+        }
     target.top_mm = object.number("top_mm", 0, largest_mm);
     target.base_mm = object.number("base_mm", 0, largest_mm);
     target.size_mm = {size[0], size[1]};
@@ -84,6 +96,16 @@ std::string target_text(const Target& target) {
     json.line().add("printer", target.printer).line().add("pitch_um", target.pitch_um);
     json.line().add("layout", target.layout).line().add("roles", target.roles);
     json.line().add("light", target.light).line().add("dark", target.dark);
+    if (!target.surfaces.empty()) {
+        json.line().key("surfaces").begin_list();
+        for (const auto& surface : target.surfaces)
+            json.begin_object()
+                .add("name", surface->name)
+                .add("kind", surface_kind_text(surface->kind))
+                .add("rgb", surface->rho)
+                .end_object();
+        json.end_list();
+    }
     json.line().add("top_mm", target.top_mm).line().add("base_mm", target.base_mm);
     json.line().add("size_mm", target.size_mm).line().add("dark_half_mm", numbers(target.dark_half));
     json.line().key("squares").begin_list();

@@ -211,6 +211,8 @@ JobResult result_of(const TargetJob& job, const Target& target, const Eigen::Vec
 
 void TargetJob::validate() const {
     if (out.empty()) throw UsageError("--out is missing: the folder of the target's stack");
+    if (strips && !layout.surfaces.empty())
+        throw UsageError("--strips with --surface: checkers want a base of resin; leave one of them out");
 }
 
 JobResult run_target_job(const TargetJob& job, const PrintBoxes& print, Progress& progress) {
@@ -226,7 +228,7 @@ JobResult run_target_job(const TargetJob& job, const PrintBoxes& print, Progress
     if (job.strips) layout.strips = pairs_for_strips(job);
     const Target target = lay_out_target(layout);
     const std::optional<optics::ResinSet> set = known_resins(job, target);
-    if (!target.is_chart()) warn_of_base(target, set, progress);
+    if (!target.is_chart() && target.surfaces.empty()) warn_of_base(target, set, progress);
     const Eigen::Vector3d size_mm(target.size_mm.x(), target.size_mm.y(), target.height_mm());
     const io::StackDescription stack = print(target_boxes(target), size_mm, progress);
     write_description(job, target, set);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,7 @@
 #include "base/random.h"
 #include "calibration/patches/patch_file.h"
 #include "calibration/target/marker_pattern.h"
+#include "calibration/target/target_surfaces.h"
 
 namespace voxtone::calibration {
 
@@ -29,16 +32,33 @@ void check_range(const char* name, double value, double least, double most) {
 
 void check(const TargetOptions& o) {
     const std::set<std::string> roles(o.roles.begin(), o.roles.end());
-    demand(o.roles.size() >= 2, "target: at least two resins are needed, a light and a dark one: --resins W,K");
+    demand(!o.roles.empty() && (o.roles.size() >= 2 || !o.surfaces.empty()),
+           "target: at least two resins are needed, a light and a dark one: --resins W,K");
     demand(roles.size() == o.roles.size(),
            fmt::format("target: a resin is named twice in --resins {}", fmt::join(o.roles, ",")));
     for (const std::string& role : o.roles)
         demand(
             !role.empty() && role.find_first_of(":+,\" \t\r\n#") == std::string::npos,
             fmt::format("target: \"{}\" cannot be the role of a resin in a patch table; use letters and digits", role));
+    for (std::size_t s = 0; s < o.surfaces.size(); ++s) {
+        const std::string& name = o.surfaces[s]->name;
+        demand(!roles.contains(name), fmt::format("target: --surface {}: a resin has this name; take another", name));
+        for (std::size_t t = 0; t < s; ++t)
+            demand(o.surfaces[t]->name != name, fmt::format("target: --surface {} is there twice", name));
+        demand(name == o.light || name == o.dark,
+               fmt::format("target: --surface {} would be ignored: name it with --light or with --dark", name));
+    }
+    if (!o.surfaces.empty()) {
+        demand(o.surfaces.size() == 2,
+               fmt::format("target: {} is a surface, and {} is a resin, whose half would stand higher: give --surface "
+                           "for both --light and --dark, or for none",
+                           o.surfaces.front()->name, o.surfaces.front()->name == o.light ? o.dark : o.light));
+        demand(o.layout != TargetLayout::chart, "target: a chart of thick mixtures lies on no surface that is seen");
+        demand(o.strips.empty(), "target: --strips want a base of resin; leave --surface or --strips out");
+    }
     for (const auto& [option, role] : {std::pair{"--light", o.light}, std::pair{"--dark", o.dark}})
         demand(
-            roles.contains(role),
+            !o.surfaces.empty() || roles.contains(role),
             fmt::format("target: {} {}: this resin is not among --resins {}; the base of the target is half of a light "
                         "and half of a dark resin, name those that you have",
                         option, role, fmt::join(o.roles, ",")));
@@ -46,7 +66,7 @@ void check(const TargetOptions& o) {
     for (const double pitch : o.pitch_um) demand(pitch > 0 && pitch < 1e4, "target: the printer's pitch is not known");
     check_range("square", o.square_mm, 1, 100);
     check_range("top", o.top_mm, 1e-3, 10);
-    check_range("base", o.base_mm, 1e-3, 100);
+    if (o.surfaces.empty()) check_range("base", o.base_mm, 1e-3, 100);
     check_range("gap", o.gap_mm, 0, 50);
     check_range("marker", o.marker_mm, 2, 50);
     check_range("quiet", o.quiet_mm, o.marker_mm / marker_cells, 50);
@@ -77,19 +97,28 @@ std::vector<PatchMixture> equal_mixtures(std::vector<std::string> roles) {
     return all;
 }
 
+/// Resins that dilute others: those of the halves, else white and black where they are there.
+std::string diluent(const TargetOptions& o, const std::string& of_half, const char* usual) {
+    if (o.surfaces.empty()) return of_half;
+    return std::ranges::find(o.roles, usual) != o.roles.end() ? usual : "";
+}
+
 std::vector<PatchMixture> mixtures(const TargetOptions& o) {
+    const std::string light = diluent(o, o.light, "W"), dark = diluent(o, o.dark, "K");
     if (o.layout == TargetLayout::chart || o.layout == TargetLayout::mixtures) return o.chart;
     if (o.layout == TargetLayout::e) return equal_mixtures(o.roles);
     std::vector<PatchMixture> all;
     for (const std::string& role : o.roles) all.push_back({{role, 1.0}});
-    if (o.layout == TargetLayout::a) return all;
+    if (o.layout == TargetLayout::a || light.empty()) return all;
     const std::vector<int> shares =
         o.layout == TargetLayout::b ? std::vector<int>{10} : std::vector<int>{5, 10, 25, 50};
-    for (const int percent : shares) all.push_back(in_light(o.dark, percent, o.light));
-    all.push_back(in_light(o.dark, 90, o.light));
+    if (!dark.empty()) {
+        for (const int percent : shares) all.push_back(in_light(dark, percent, light));
+        all.push_back(in_light(dark, 90, light));
+    }
     for (const std::string& role : o.roles)
-        if (role != o.light && role != o.dark)
-            for (const int percent : shares) all.push_back(in_light(role, percent, o.light));
+        if (role != light && role != dark)
+            for (const int percent : shares) all.push_back(in_light(role, percent, light));
     return all;
 }
 
@@ -100,7 +129,7 @@ constexpr double least_floor_mm = 3;   // of light resin under the deepest
 constexpr double from_halves_mm = 5;   // light of the halves hardly goes farther in white resin
 
 bool has_deep_squares(const TargetOptions& o) {
-    return o.layout <= TargetLayout::c && std::ranges::find(o.roles, clear_role) != o.roles.end();
+    return o.surfaces.empty() && o.layout <= TargetLayout::c && std::ranges::find(o.roles, clear_role) != o.roles.end();
 }
 
 struct Checker {
@@ -202,13 +231,26 @@ Target lay_out_target(const TargetOptions& o) {
     target.roles = o.roles;
     target.light = o.light;
     target.dark = o.dark;
+    target.surfaces = o.surfaces;
     target.top_mm = nearest_layers(o.top_mm, o.pitch_um[2]);
     const bool deep = has_deep_squares(o);
     constexpr double deepest_mm = clear_mm[1];
     target.base_mm = enough_layers(deep ? std::max(o.base_mm, deepest_mm + least_floor_mm - target.top_mm) : o.base_mm,
                                    o.pitch_um[2]);
 
-    const std::vector<PatchMixture> tops = mixtures(o);
+    if (!o.surfaces.empty()) target.base_mm = 0;
+
+    std::vector<PatchMixture> tops = mixtures(o);
+    std::vector<double> depths(tops.size(), 0.0);
+    if (!o.surfaces.empty() && o.layout <= TargetLayout::c && diluent(o, o.light, "W").empty()) {
+        const std::vector<PatchMixture> pure = std::exchange(tops, {});
+        depths.clear();
+        for (const PatchMixture& top : pure)
+            for (const double share : thin_shares) {
+                tops.push_back(top);
+                depths.push_back(nearest_layers(share * target.top_mm, o.pitch_um[2]));
+            }
+    }
     const double pitch = o.square_mm + o.gap_mm, frame = o.marker_mm + 2 * o.quiet_mm;
     const int parts = chart ? 1 : 2;
     const std::vector<Checker> strips = checkers_of(o);
@@ -233,7 +275,7 @@ Target lay_out_target(const TargetOptions& o) {
             square.backing = on_light ? o.light : o.dark;
             square.area = {corner, corner + Eigen::Vector2d::Constant(o.square_mm)};
             if (const auto k = static_cast<std::size_t>(s); k < tops.size()) {
-                square.top = tops[k];
+                square.top = tops[k], square.depth_mm = depths[k];
             } else {
                 const Checker& checker = strips[k - tops.size()];
                 square.top = checker.top, square.cell = checker.cell;
@@ -258,13 +300,17 @@ void Target::validate(const std::string& where) const {
     const auto known = [&](const std::string& role) {
         return std::find(roles.begin(), roles.end(), role) != roles.end();
     };
-    rule(roles.size() >= 2 && std::set(roles.begin(), roles.end()).size() == roles.size(),
+    rule(roles.size() >= (surfaces.empty() ? 2 : 1) && std::set(roles.begin(), roles.end()).size() == roles.size(),
          "\"roles\" must be two or more different ones");
-    rule(known(light) && known(dark) && light != dark,
-         "\"light\" and \"dark\" must be two different ones of \"roles\"");
+    rule((surfaces.empty() ? known(light) && known(dark) : surface(light) && surface(dark)) && light != dark,
+         "\"light\" and \"dark\" must be two different ones of \"roles\", or of \"surfaces\" where there are some");
+    for (const auto& one : surfaces)
+        rule(!known(one->name), fmt::format("surface \"{}\" has the name of a resin", one->name));
     rule(layout == "A" || layout == "B" || layout == "C" || layout == "E" || layout == "mixtures" || is_chart(),
          "\"layout\" must be A, B, C, E, chart or mixtures");
-    rule(top_mm > 0 && base_mm > 0, "\"top_mm\" and \"base_mm\" must be positive");
+    rule(top_mm > 0 && (surfaces.empty() ? base_mm > 0 : base_mm == 0),
+         "\"top_mm\" and \"base_mm\" must be positive; upon surfaces \"base_mm\" is 0");
+    rule(surfaces.empty() || !is_chart(), "a chart lies on no surface");
     const Area slab{Eigen::Vector2d::Zero(), size_mm};
     rule((size_mm.array() > 0).all() && size_mm.allFinite(), "\"size_mm\" must be positive");
     const auto inside = [&](const Area& a) {
@@ -321,6 +367,24 @@ void Target::validate(const std::string& where) const {
          "the markers must be upper left, upper right, lower right, lower left");
 }
 
+std::shared_ptr<const PatchSurface> Target::surface(std::string_view name) const {
+    const auto found = std::ranges::find(surfaces, name, [](const auto& one) { return std::string_view(one->name); });
+    return found == surfaces.end() ? nullptr : *found;
+}
+
+PatchMixture Target::of_markers() const {
+    if (surfaces.empty()) return {{dark, 1.0}};
+    if (std::ranges::find(roles, "K") != roles.end()) return {{"K", 1.0}};
+    std::vector<std::string> coloured;
+    std::ranges::copy_if(roles, std::back_inserter(coloured),
+                         [](const std::string& role) { return role != "W" && role != clear_role; });
+    if (coloured.empty()) coloured = roles;
+    PatchMixture mixture;
+    for (const std::string& role : coloured) mixture.push_back({role, 1.0 / double(coloured.size())});
+    std::ranges::sort(mixture, {}, &ResinShare::role);
+    return mixture;
+}
+
 std::vector<TargetBox> target_boxes(const Target& target) {
     const auto shares = [&](const PatchMixture& mixture) {
         std::vector<double> fractions(target.roles.size(), 0.0);
@@ -329,17 +393,20 @@ std::vector<TargetBox> target_boxes(const Target& target) {
                                   target.roles.begin())] = share.fraction;
         return fractions;
     };
-    const std::vector<double> light = shares({{target.light, 1.0}}), dark = shares({{target.dark, 1.0}});
+    const std::vector<double> dark = shares(target.of_markers());
     const double top = target.height_mm();
     const auto box = [](const Area& area, double z0, double z1, std::vector<double> fractions) {
         return TargetBox{
             {area.min_mm.x(), area.min_mm.y(), z0}, {area.max_mm.x(), area.max_mm.y(), z1}, std::move(fractions)};
     };
     std::vector<TargetBox> boxes;
-    boxes.push_back(box({Eigen::Vector2d::Zero(), target.size_mm}, 0, top, light));
-    if (!target.is_chart()) boxes.push_back(box(target.dark_half, 0, top, dark));
+    if (target.surfaces.empty()) {
+        boxes.push_back(box({Eigen::Vector2d::Zero(), target.size_mm}, 0, top, shares({{target.light, 1.0}})));
+        if (!target.is_chart()) boxes.push_back(box(target.dark_half, 0, top, dark));
+    }
     for (const TargetSquare& square : target.squares) {
-        boxes.push_back(box(square.area, target.under_mm(square), top, shares(square.top)));
+        const double under = target.under_mm(square);
+        boxes.push_back(box(square.area, under, under + target.depth_mm(square), shares(square.top)));
         boxes.back().cell = square.cell;
     }
     for (const TargetMarker& marker : target.markers) {

@@ -26,12 +26,15 @@
 // around it: photographs measure the light there.
 //
 // Coordinates: mm, x to the right, y up, seen from above; (0, 0) is the lower left corner. z: 0 is the lower side.
+// Upon surfaces that were there before (target_surfaces.h) there is no base: z = 0 is theirs.
 // The numbers of the four markers are a fingerprint of what the target holds, so that a photograph of another target is
 // recognised; no marker looks like another one turned or mirrored, so that a turned or mirrored one is recognised too.
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,11 +48,12 @@ enum class TargetLayout { a, b, c, e = 4, chart, mixtures };  ///< letters from 
 struct TargetOptions {
     TargetLayout layout = TargetLayout::b;
     std::vector<PatchMixture> chart;  ///< of the layouts chart and mixtures, in the order in which they lie
-    std::vector<std::array<std::string, 2>> strips;  ///< pairs of resins with a strip of checkers each
-    std::vector<std::string> roles;                  ///< of the resins, two or more, all different
-    std::string light = "W";                         ///< role of the light half and of the frame; one of `roles`
-    std::string dark = "K";  ///< role of the dark half and of the markers; one of `roles`, not the light one
-    std::string printer;     ///< id of its profile
+    std::vector<std::array<std::string, 2>> strips;                  ///< pairs of resins with a strip of checkers each
+    std::vector<std::string> roles;                                  ///< of the resins, two or more, all different
+    std::vector<std::shared_ptr<const PatchSurface>> surfaces = {};  ///< that it is printed upon; R, G, B
+    std::string light = "W";  ///< role of the light half and of the frame, one of `roles`; or a surface
+    std::string dark = "K";   ///< the same of the dark half, and of the markers; not the light one
+    std::string printer;      ///< id of its profile
     std::array<double, 3>
         pitch_um{};  ///< of its voxels; squares get the nearest whole number of layers, the base at least its thickness
     double square_mm = 10;  ///< edge of a square, [1, 100]
@@ -79,7 +83,7 @@ struct TargetSquare {
     PatchMixture top;
     std::string backing;  ///< role
     Area area;
-    double depth_mm = 0;  ///< of a deep square; 0: as deep as the target's thin ones
+    double depth_mm = 0;  ///< where it is not that of the target's others; 0: it is
     /// Columns and rows of the cells of a checker of the two resins of `top`; 0: they are mixed voxel by voxel.
     std::array<int, 2> cell{};
     [[nodiscard]] bool is_checker() const { return cell[0] > 0; }
@@ -97,6 +101,7 @@ struct Target {
     std::string layout;  ///< "A", "B", "C", "E", "chart", "mixtures"
     std::vector<std::string> roles;
     std::string light, dark;
+    std::vector<std::shared_ptr<const PatchSurface>> surfaces = {};  ///< then `light` and `dark` are two of them
     double top_mm = 0, base_mm = 0;
     Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();
     Area dark_half;  ///< what is around it is light; a chart has none
@@ -109,7 +114,13 @@ struct Target {
         return square.depth_mm > 0 ? square.depth_mm : top_mm;
     }
     /// How thick the base under a square is.
-    [[nodiscard]] double under_mm(const TargetSquare& square) const { return height_mm() - depth_mm(square); }
+    [[nodiscard]] double under_mm(const TargetSquare& square) const {
+        return surfaces.empty() ? height_mm() - depth_mm(square) : 0;
+    }
+    /// By its name; nothing where that is a resin's.
+    [[nodiscard]] std::shared_ptr<const PatchSurface> surface(std::string_view name) const;
+    /// What the dark cells of its markers are printed of.
+    [[nodiscard]] PatchMixture of_markers() const;
     /// Of a square's checker.
     [[nodiscard]] std::array<double, 2> cell_mm(const TargetSquare& square) const {
         return {square.cell[0] * pitch_um[0] / 1000, square.cell[1] * pitch_um[1] / 1000};

@@ -12,6 +12,7 @@
 #include "calibration/target/ideal_patch.h"
 #include "calibration/target/marker_pattern.h"
 #include "calibration/target/square_ends.h"
+#include "calibration/target/target_surfaces.h"
 #include "optics/colour/observed_colour.h"
 
 namespace voxtone::calibration {
@@ -20,25 +21,40 @@ namespace {
 
 constexpr double bin_mm = 2;
 
-/// Of all squares, by channel.
-std::vector<std::vector<double>> dithered_squares(const Target& target, const optics::ResinSet& set) {
-    std::vector<Patch> patches;
-    for (const TargetSquare& square : target.squares)
-        patches.push_back({square.top, square.backing, target.depth_mm(square), target.under_mm(square), {}, {}, {}});
+/// Of all squares, and at last of the dark cells of markers, by channel.
+std::vector<std::vector<double>> modelled_squares(const Target& target, const optics::ResinSet& set,
+                                                  MixtureKind mixtures) {
+    PatchTable table;
+    for (const TargetSquare& square : target.squares) table.patches.push_back(patch_of(target, square));
+    TargetSquare marker;
+    marker.top = target.of_markers(), marker.backing = target.light;
+    table.patches.push_back(patch_of(target, marker));
+    const std::vector<Patch> patches = in_channels_of(set, std::move(table)).patches;
     PatchModelOptions options;
     options.g = set.g;
     options.eta = set.eta;
-    for (std::size_t axis = 0; axis < 3; ++axis) options.pitch_mm[axis] = target.pitch_um[axis] / 1000;
+    for (std::size_t axis = 0; mixtures == MixtureKind::dithered && axis < 3; ++axis)
+        options.pitch_mm[axis] = target.pitch_um[axis] / 1000;
     const PatchModel model(patches, target.roles, options);
     std::vector<std::vector<double>> rho(patches.size());
     for (std::size_t channel = 0; channel < set.channels.size(); ++channel) {
         std::vector<optics::Medium> media;
         for (const std::string& role : target.roles)
             media.push_back(set.resins[std::size_t(set.find(role))].medium(channel));
-        const std::vector<double> values = model.rho(media);
+        const std::vector<double> values = model.rho(media, channel);
         for (std::size_t s = 0; s < values.size(); ++s) rho[s].push_back(values[s]);
     }
     return rho;
+}
+
+TargetColours colours_on_surfaces(const Target& target, const optics::ResinSet& set, MixtureKind mixtures) {
+    const optics::ObservedColour<double> observed(set.channels);
+    TargetColours colours{rgb_of(target, target.light), rgb_of(target, target.dark), {}};
+    for (const std::vector<double>& rho : modelled_squares(target, set, mixtures))
+        colours.squares.push_back(observed.absolute(rho.data()));
+    colours.markers = colours.squares.back();
+    colours.squares.pop_back();
+    return colours;
 }
 
 }  // namespace
@@ -46,6 +62,7 @@ std::vector<std::vector<double>> dithered_squares(const Target& target, const op
 TargetColours reflected_colours(const Target& target, const optics::ResinSet& all, MixtureKind mixtures,
                                 SquareKind squares) {
     const optics::ResinSet set = all.subset(target.roles);
+    if (!target.surfaces.empty()) return colours_on_surfaces(target, set, mixtures);
     const IdealPatches patches(set);
     const optics::ObservedColour<double> observed(set.channels);
     const auto colour = [&](const std::vector<double>& rho) { return observed.absolute(rho.data()); };
@@ -53,7 +70,9 @@ TargetColours reflected_colours(const Target& target, const optics::ResinSet& al
     colours.light = colour(patches.reflectance({{target.light, 1.0}}, target.top_mm, target.light, target.base_mm));
     colours.dark = colour(patches.reflectance({{target.dark, 1.0}}, target.top_mm, target.dark, target.base_mm));
     const bool ideal = mixtures == MixtureKind::ideal;
-    std::vector<std::vector<double>> all_rho = ideal ? patches.squares(target) : dithered_squares(target, set);
+    std::vector<std::vector<double>> all_rho =
+        ideal ? patches.squares(target) : modelled_squares(target, set, mixtures);
+    all_rho.resize(target.squares.size());
     if (squares == SquareKind::ended) {
         const auto light = light_of_squares(target, set, false, light_of_deep_squares(target, set));
         for (std::size_t s = 0; s < all_rho.size(); ++s)
@@ -73,12 +92,17 @@ TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vecto
                                                       target.roles.begin())];
         return sum;
     };
-    TargetColours colours{mix({{target.light, 1.0}}), mix({{target.dark, 1.0}}), {}};
+    const bool surfaces = !target.surfaces.empty();
+    TargetColours colours{surfaces ? rgb_of(target, target.light) : mix({{target.light, 1.0}}),
+                          surfaces ? rgb_of(target, target.dark) : mix({{target.dark, 1.0}}),
+                          {}};
+    colours.markers = mix(target.of_markers());
     for (const TargetSquare& square : target.squares) colours.squares.push_back(mix(square.top));
     return colours;
 }
 
-TargetScene::TargetScene(const Target& target, TargetColours colours) : target_(target), colours_(std::move(colours)) {
+TargetScene::TargetScene(const Target& target, TargetColours colours)
+    : target_(target), colours_(std::move(colours)), marker_(colours_.markers.value_or(colours_.dark)) {
     VOXTONE_EXPECT(colours_.squares.size() == target.squares.size());
     for (const TargetMarker& marker : target.markers) patterns_.push_back(marker_pattern(marker.id));
     bins_ = (target.size_mm.array() / bin_mm).ceil().cast<int>().max(1);
@@ -105,7 +129,7 @@ const Eigen::Vector3d& TargetScene::at(const Eigen::Vector2d& p) const {
         const double cell = area.size().x() / marker_cells;
         const int column = std::min(marker_cells - 1, int((p.x() - area.min_mm.x()) / cell)),
                   row = std::min(marker_cells - 1, int((area.max_mm.y() - p.y()) / cell));
-        return patterns_[m][std::size_t(row * marker_cells + column)] ? colours_.dark : colours_.light;
+        return patterns_[m][std::size_t(row * marker_cells + column)] ? marker_ : colours_.light;
     }
     return target_.dark_half.contains(p) ? colours_.dark : colours_.light;
 }

@@ -3,6 +3,7 @@
 // A target seen from above: the colour of every point. For previews and for simulated photographs.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,6 +17,7 @@ namespace voxtone::calibration {
 struct TargetColours {
     Eigen::Vector3d light = Eigen::Vector3d::Ones(), dark = Eigen::Vector3d::Zero();
     std::vector<Eigen::Vector3d> squares;
+    std::optional<Eigen::Vector3d> markers = {};  ///< of their dark cells; none: as `dark`
 };
 
 /// What mixtures are: smooth (ideal_patch.h), or random dithers of the voxels that the target is printed of, as the fit
@@ -47,6 +49,7 @@ private:
 
     const Target& target_;
     TargetColours colours_;
+    Eigen::Vector3d marker_;
     std::vector<std::vector<bool>> patterns_;
     Eigen::Array2i bins_;                            ///< of `bin_mm`, across the target
     std::vector<std::vector<std::size_t>> squares_;  ///< that reach into a bin, in their order

@@ -123,6 +123,33 @@ TEST_CASE("Targets that a printer cannot make are refused") {
                Contains("not opaque") && Contains("0.029"));
 }
 
+TEST_CASE("Resins without white and black are told by a photographed card") {
+    const Folder folder("card");
+    const std::string target =
+        "calibrate target --resins C,M,Y --light white --dark black --surface "
+        "white=smooth:0.85,0.84,0.8 --surface black=smooth:0.04 --quiet -o ";
+    require_done(run_program(target + folder / "out"));
+    require_done(run_program("calibrate simulate " + folder / "out/target.json" +
+                             " --resins vero-opaque --quiet --width 1500 --height 1000 --truth " +
+                             folder / "truth.csv" + " -o " + folder / "photo.tif"));
+    require_done(run_program("calibrate photo " + folder / "photo.tif" + " --target " + folder / "out/target.json" +
+                             " --quiet -o " + folder / "patches.csv"));
+    CHECK_THAT(read_file(folder / "patches.csv"), Contains("bare:smooth,white,0,"));
+    CHECK(worst_difference(folder / "patches.csv", folder / "truth.csv", "white") < 0.005);
+    CHECK(worst_difference(folder / "patches.csv", folder / "truth.csv", "black") < 0.005);
+    require_done(run_program("calibrate fit " + folder / "patches.csv" + " --target " + folder / "out/target.json" +
+                             " --quiet --report " + folder / "fit.html" + " -o " + folder / "resins.json"));
+    const nlohmann::json known = result_of(run_program("calibrate check --json vero-opaque " + folder / "truth.csv")),
+                         found = result_of(run_program("calibrate check --json " + folder / "resins.json" + " " +
+                                                       folder / "truth.csv" + " --target " +
+                                                       folder / "out/target.json" + " --out " + folder / "check.html"));
+    CHECK(known["patches"]["max_de2000"] < 0.01);
+    CHECK(found["patches"]["mean_de2000"] < 0.5);
+
+    CHECK_THAT(run_program(target + folder / "b" + " --base 3mm").err, Contains("--base with --surface"));
+    CHECK_THAT(run_program(target + folder / "c" + " --strips").err, Contains("--strips with --surface"));
+}
+
 TEST_CASE("Photographs of all kinds of files are measured") {
     const Folder folder("photo");
     require_done(run_program("calibrate target --resins C,M,Y,K,W --layout A --quiet -o " + folder / "out"));
