@@ -19,6 +19,7 @@
 #include "calibration/target/ideal_patch.h"
 #include "calibration/target/target_file.h"
 #include "calibration/target/target_scene.h"
+#include "calibration/target/target_surfaces.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/pictures/srgb_code.h"
@@ -211,13 +212,14 @@ JobResult result_of(const TargetJob& job, const Target& target, const Eigen::Vec
 
 void TargetJob::validate() const {
     if (out.empty()) throw UsageError("--out is missing: the folder of the target's stack");
-    if (strips && !layout.surfaces.empty())
+    if (strips && !surfaces.empty())
         throw UsageError("--strips with --surface: checkers want a base of resin; leave one of them out");
 }
 
 JobResult run_target_job(const TargetJob& job, const PrintBoxes& print, Progress& progress) {
     job.validate();
     TargetOptions layout = job.layout;
+    for (const std::string& surface : job.surfaces) layout.surfaces.push_back(parse_target_surface(surface));
     if (job.patches > 0) {
         layout.layout = TargetLayout::chart;
         layout.chart = shuffled_chart(job);

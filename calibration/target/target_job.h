@@ -22,11 +22,12 @@
 namespace voxtone::calibration {
 
 struct TargetJob {
-    TargetOptions layout;     ///< for the printer's voxels; without a chart's mixtures
-    std::size_t patches = 0;  ///< of a chart; 0: a target
-    bool strips = false;      ///< of checkers besides, of the three pairs that tell most
-    std::size_t thin = 0;     ///< mixtures of the target that validates a fit; 0: the layout's
-    std::string resin_set;    ///< the resins as far as they are known, or a file of them; empty: nothing is known
+    TargetOptions layout;                    ///< for the printer's voxels; without a chart's mixtures and surfaces
+    std::vector<std::string> surfaces = {};  ///< as parse_target_surface (target_surfaces.h) takes them
+    std::size_t patches = 0;                 ///< of a chart; 0: a target
+    bool strips = false;                     ///< of checkers besides, of the three pairs that tell most
+    std::size_t thin = 0;                    ///< mixtures of the target that validates a fit; 0: the layout's
+    std::string resin_set;  ///< the resins as far as they are known, or a file of them; empty: nothing is known
     std::vector<std::array<std::uint8_t, 3>>
         display_rgb;  ///< sRGB of `layout.roles`, for the picture; contract: as many
     std::string out;  ///< folder of the stack, for target.json and target.png

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "calibration/target/target_surfaces.h"
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/program/common_options.h"
 #include "io/profiles/resin_file.h"
@@ -23,7 +22,6 @@ struct CalibrateTargetArguments {
     calibration::TargetJob job;
     std::string printer = "stratasys-j750-hm", layout = "B";
     std::optional<std::size_t> thin;
-    std::vector<std::string> surfaces;
     std::uint64_t seed = 1;
     bool overwrite = false;
     io::StackOutputs outputs;
@@ -71,9 +69,7 @@ JobResult make_target(CalibrateTargetArguments& a, const CalibrateJobs& jobs, Pr
 }
 
 int run(CalibrateTargetArguments& a, const CalibrateJobs& jobs) {
-    for (const std::string& surface : a.surfaces)
-        a.job.layout.surfaces.push_back(calibration::parse_target_surface(surface));
-    if (!a.surfaces.empty() && a.job.layout.base_mm != calibration::TargetOptions{}.base_mm)
+    if (!a.job.surfaces.empty() && a.job.layout.base_mm != calibration::TargetOptions{}.base_mm)
         throw UsageError("--base with --surface: would be ignored: squares are printed upon the surface; leave it out");
     const bool thin = a.layout == "chart";
     if (a.thin && !thin)
@@ -138,7 +134,7 @@ Verb calibrate_target_verb(const CalibrateJobs& jobs) {
         "--strips", arguments->job.strips,
         "checkers of growing cells besides, of the light resin and the one that tells most beside it, from which "
         "`calibrate fit` finds how far resin runs before it is cured");
-    command.add("--surface", arguments->surfaces,
+    command.add("--surface", arguments->job.surfaces,
                 "what it is printed upon instead of a base, for --light and for --dark, such as the halves of a card: "
                 "name, matt, smooth or mirror (+gap over air), and what it reflects bare, once or in linear R, G, B",
                 {.unit = "NAME=KIND:R", .one_each = true});

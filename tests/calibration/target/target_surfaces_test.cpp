@@ -106,7 +106,7 @@ TEST_CASE("What is wrong with a target's surfaces is one sentence") {
     options.layout = TargetLayout::chart;
     CHECK_THAT(fault(options), Contains("chart"));
     TargetJob job;
-    job.layout = on_card({"C"});
+    job.surfaces = {"white=matt:0.8"};
     job.out = "x", job.strips = true;
     CHECK_THROWS_WITH(job.validate(), Contains("--strips with --surface"));
     std::string text = target_text(lay_out_target(on_card({"C"})));
