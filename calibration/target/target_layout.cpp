@@ -15,7 +15,6 @@
 #include "base/random.h"
 #include "calibration/patches/patch_file.h"
 #include "calibration/target/marker_pattern.h"
-#include "calibration/target/target_surfaces.h"
 
 namespace voxtone::calibration {
 
@@ -122,6 +121,7 @@ std::vector<PatchMixture> mixtures(const TargetOptions& o) {
     return all;
 }
 
+constexpr double thin_shares[] = {0.08, 0.2, 0.6};  // of a target's top, on a surface without white resin
 constexpr const char* clear_role = "T";
 constexpr double clear_mm[] = {5, 10};
 constexpr double edge_by_depth = 2.7;  // a deep square's edge by its depth

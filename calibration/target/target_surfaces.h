@@ -13,9 +13,6 @@
 
 namespace voxtone::calibration {
 
-/// Of the target's top, on a surface without white resin.
-inline constexpr double thin_shares[] = {0.08, 0.2, 0.6};
-
 /// "white=smooth:0.85" or "white=smooth+gap:0.85,0.84,0.8": name, kind, what it reflects bare, in linear R, G, B.
 /// Throws InputError.
 [[nodiscard]] std::shared_ptr<const PatchSurface> parse_target_surface(std::string_view text);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The only place that knows both how a target is laid out (calibration) and how a printer makes it (slicer).
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,9 @@ void set_printer(const slicer::PrinterProfile& printer, calibration::TargetJob& 
     job.layout.printer = printer.id;
     const Eigen::Vector3d pitch_um = printer.sliced_pitch_um();
     job.layout.pitch_um = {pitch_um.x(), pitch_um.y(), pitch_um.z()};
+    // Nothing but squares makes its height.
+    if (!job.surfaces.empty())
+        job.layout.top_mm = std::max(job.layout.top_mm, printer.min_layers * pitch_um.z() / 1000);
     job.display_rgb = printer.display_colours(job.layout.roles);
 }
 
