@@ -123,7 +123,7 @@ TEST_CASE("Targets that a printer cannot make are refused") {
                Contains("not opaque") && Contains("0.029"));
 }
 
-TEST_CASE("Resins without white and black are told by a photographed card") {
+TEST_CASE("Resins without white and black are told by a photographed card", "[slow]") {
     const Folder folder("card");
     const std::string target =
         "calibrate target --resins C,M,Y --light white --dark black --surface "
