@@ -11,7 +11,9 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr float least_transport_sigma = 0.2f;  // mm^-1; keeps diffusion finite in clear resin, where it is only a guess
+// mm^-1: diffusion is only a guess in clear resin. Of 0.2, corrections of a wall of clear and white voxels grew without
+// bound, as if light went through cells where sweeps saw it stay.
+constexpr float least_transport_sigma = 1;
 
 // Keep the corrections stable on cells as thick as a free path, where diffusion overshoots and the iteration would
 // grow: artificial diffusion, in edges of a cell added to D per optical depth of one, and at most (the form is that of

@@ -84,12 +84,14 @@ TEST_CASE("Rounds of sweep and correction converge on halftones, walls and clear
             for (int rounds = 2; rounds <= 7; ++rounds) seen.push_back(after(rounds, scene, surface, refinement));
             std::vector<double> changes;
             for (std::size_t k = 0; k + 1 < seen.size(); ++k) changes.push_back(change(seen[k], seen[k + 1]));
-            // Measured, whole and cut: 0.35, 0.35; 0.30, 0.33; 0.53, 0.54.
+            // Measured, whole and cut: 0.35, 0.35; 0.30, 0.33; 0.50, 0.47 (0.53, 0.54 where diffusion in clear resin
+            // is as fast as 0.2 / mm has it: walls of jelly grow without bound then).
             const double radius = std::pow(changes.back() / changes.front(), 1.0 / double(changes.size() - 1));
             INFO(c.name << (refinement == Refinement::none ? ", whole" : ", cut") << ": from " << changes.front()
                         << ", spectral radius about " << radius);
-            CHECK(radius < 0.6);
-            for (std::size_t k = 0; k + 1 < changes.size(); ++k) CHECK(changes[k + 1] < changes[k]);
+            CHECK(radius < 0.52);
+            // Light that goes far through clear resin swings from one round to the next.
+            for (std::size_t k = 0; k + 2 < changes.size(); ++k) CHECK(changes[k + 2] < changes[k]);
         }
 }
 
