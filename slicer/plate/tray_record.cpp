@@ -153,6 +153,7 @@ std::string tray_json(const PreparedTray& prepared, int tray, const std::vector<
         else
             json.add("model", part.ready->job.options.model);
         if (part.is_joined) json.add("joined", true);
+        if (!part.component) json.add("illuminant", part.ready->job.options.illuminant);
         json.add("rotate", part.ready ? part.ready->job.options.raw.rotate : "").add("priority", part.part.priority);
         json.add("cuts", part.part.cuts).add("size_px", part.grid().size);
         write_places(json, part, tray, grid, corner);

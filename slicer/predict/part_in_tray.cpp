@@ -2,6 +2,7 @@
 #include "slicer/predict/part_in_tray.h"
 
 #include <filesystem>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -30,6 +31,10 @@ LayerWindow window_of(const io::JsonObject& part) {
     return window;
 }
 
+std::string lamp_of(const io::JsonObject& part) {
+    return part.has("illuminant") ? part.text("illuminant") : std::string();
+}
+
 }  // namespace
 
 std::optional<PartInTray> find_part_in_tray(const std::string& folder) {
@@ -44,10 +49,29 @@ std::optional<PartInTray> find_part_in_tray(const std::string& folder) {
         const bool has_report = one.has("report") && one.is_text("report");
         const std::string of_report = has_report ? fs::path(one.text("report")).parent_path().filename().string() : "";
         if (one.text("name") == name || of_report == name)
-            return PartInTray{tray.empty() ? "." : tray.string(), window_of(one)};
+            return PartInTray{tray.empty() ? "." : tray.string(), window_of(one), lamp_of(one)};
     }
     throw InputError(fmt::format("{}: {} does not say that such a part is on the tray; name the tray's folder", folder,
                                  file.string()));
+}
+
+std::string lamp_of_parts(const std::string& folder) {
+    std::error_code none;
+    const fs::path file = fs::path(folder) / tray_file;
+    if (!fs::exists(file, none)) return {};
+    std::optional<std::pair<std::string, std::string>> first;  // lamp, part
+    for (const io::JsonObject& part : io::JsonObject::read(file).objects("parts")) {
+        if (part.has("component")) continue;
+        const std::string lamp = lamp_of(part), name = part.text("name");
+        if (!first) first = {lamp, name};
+        if (lamp == first->first) continue;
+        const auto words = [](const std::string& of) { return of.empty() ? std::string("the tray's lamp") : of; };
+        throw InputError(
+            fmt::format("{}: {} was made to be seen under {} and {} under {}, and no lamp shows both so: name one with "
+                        "--illuminant, or a part of the tray (parts/{})",
+                        folder, first->second, words(first->first), name, words(lamp), name));
+    }
+    return first ? first->first : std::string();
 }
 
 }  // namespace voxtone::slicer

@@ -616,9 +616,11 @@ ColourAssignment parse_assignment(const std::string& text) {
         text.substr(equals + 1)};
 }
 
-StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progress) {
-    const std::optional<PartInTray> part = find_part_in_tray(options.stack);
-    const io::StackReader stack(part ? part->stack : options.stack);
+StackVolume read_stack_volume(const StackVolumeOptions& asked, Progress& progress) {
+    const std::optional<PartInTray> part = find_part_in_tray(asked.stack);
+    const io::StackReader stack(part ? part->stack : asked.stack);
+    StackVolumeOptions options = asked;
+    if (options.illuminant.empty()) options.illuminant = part ? part->illuminant : lamp_of_parts(asked.stack);
     StackVolume read = stack.kind() != io::StackReader::Kind::voxtone
                            ? read_foreign(stack, options, progress)
                            : read_own(stack, options, part ? std::optional(part->window) : std::nullopt, progress);

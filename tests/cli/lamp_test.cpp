@@ -86,6 +86,38 @@ TEST_CASE("A print is seen, and sliced, under the lamp that it is asked for", "[
     CHECK(off < 0.5 * (mean(predict(folder, "day", "--illuminant F11")) - wanted).norm());
 }
 
+TEST_CASE("Parts of a tray are seen under the lamps that they were made for, all of them under one that is named",
+          "[slow]") {
+    const Folder folder("lamp_tray");
+    const auto plan = [&](const std::string& first, const std::string& second) {
+        const auto part = [&](const std::string& name, const std::string& lamp) {
+            return nlohmann::json{
+                {"model", picture}, {"name", name}, {"illuminant", lamp}, {"width", "3mm"}, {"thickness", "1mm"}};
+        };
+        folder.write("tray.json", nlohmann::json{{"format", "voxtone-tray"},
+                                                 {"version", 1},
+                                                 {"parts", {part("day", first), part("shop", second)}}}
+                                      .dump());
+        const Outcome sliced = run_program(fmt::format(
+            "slice --quiet --overwrite {} --iterations 0 --predict none -o {}", folder / "tray.json", folder / "out"));
+        INFO(sliced.err);
+        REQUIRE(sliced.exit_code == 0);
+    };
+    plan("D65", "A");
+    CHECK(predict(folder, "out/parts/day", "").at("illuminant") == "D65");
+    const auto shop = predict(folder, "out/parts/shop", "");
+    CHECK(shop.at("illuminant") == "A");
+    CHECK((mean(shop) - mean(predict(folder, "out/parts/shop", "--illuminant D65"))).norm() > 1e-3);
+    const std::string whole =
+        fmt::format("predict --view top --overwrite {} -o {} ", folder / "out", folder / "all.exr");
+    const Outcome refused = run_program(whole);
+    CHECK(refused.exit_code == 3);
+    CHECK(refused.err.find("no lamp shows both so: name one with --illuminant") != std::string::npos);
+    CHECK(predict(folder, "out", "--view top --illuminant A").at("illuminant") == "A");
+    plan("A", "A");
+    CHECK(predict(folder, "out", "--view top").at("illuminant") == "A");
+}
+
 TEST_CASE("A lamp is a file that job.json finds again, and a guess for sets without wavelengths") {
     const Folder folder("lamp_file");
     folder.write("led.csv", "nm,power\n380,0\n450,10\n500,3\n600,8\n780,0\n");
