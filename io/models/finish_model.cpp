@@ -414,8 +414,7 @@ private:
         if (options_.keep_alpha)
             return fmt::format(
                 "{} has materials that let light through diffusely ({}), and no volume says how far: that is LOST, "
-                "they "
-                "are printed opaque. Give them a volume with an attenuation distance, or alpha.",
+                "they are printed opaque. Give them a volume with an attenuation distance, or alpha.",
                 name_, first_few(names, ", "));
         return fmt::format(
             "{} has materials of glass ({}); a print of colours is opaque: that one sees through them is LOST. Give "
