@@ -14,6 +14,7 @@
 #include "io/decoders/icc_to_srgb.h"
 #include "io/openimageio/image_rows.h"
 #include "io/openimageio/no_threads.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::io {
 
@@ -54,8 +55,14 @@ void apply_profile(const OIIO::ImageSpec& spec, Photograph& photograph) {
                              std::span<float>(rgba))
              .empty())
         return;
+    // Little CMS 2.14 goes on below no light as a straight line, 12.92 codes to one of light; codes here are odd.
+    constexpr double codes_of_light = 12.92;
     for (std::size_t i = 0; i < photograph.pixels.size(); ++i)
-        std::copy_n(&rgba[4 * i], 3, photograph.pixels[i].data());
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float code = rgba[4 * i + c];
+            photograph.pixels[i][Eigen::Index(c)] =
+                code < 0 ? static_cast<float>(optics::srgb_encode(code / codes_of_light)) : code;
+        }
     photograph.coding = SampleCoding::srgb;
 }
 

@@ -186,9 +186,11 @@ Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width, std::uint
     return io::read_bytes(path, 1 << 24);
 }
 
-std::vector<std::uint8_t> swapped_profile() {
+namespace {
+
+/// With sRGB's white and curve.
+std::vector<std::uint8_t> rgb_profile(const cmsCIExyYTRIPLE& primaries) {
     const cmsCIExyY white{0.3127, 0.329, 1};
-    const cmsCIExyYTRIPLE primaries{{0.15, 0.06, 1}, {0.3, 0.6, 1}, {0.64, 0.33, 1}};
     const cmsFloat64Number srgb[] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
     cmsToneCurve* const curve = cmsBuildParametricToneCurve(nullptr, 4, srgb);
     cmsToneCurve* const curves[] = {curve, curve, curve};
@@ -200,6 +202,14 @@ std::vector<std::uint8_t> swapped_profile() {
     cmsCloseProfile(profile);
     cmsFreeToneCurve(curve);
     return out;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> swapped_profile() { return rgb_profile({{0.15, 0.06, 1}, {0.3, 0.6, 1}, {0.64, 0.33, 1}}); }
+
+std::vector<std::uint8_t> display_p3_profile() {
+    return rgb_profile({{0.68, 0.32, 1}, {0.265, 0.69, 1}, {0.15, 0.06, 1}});
 }
 
 }  // namespace voxtone::test

@@ -61,5 +61,7 @@ struct TiffPage {
 
 /// An ICC profile whose red is sRGB's blue and whose blue is sRGB's red; its curve is sRGB's.
 [[nodiscard]] std::vector<std::uint8_t> swapped_profile();
+/// Of phones' pictures.
+[[nodiscard]] std::vector<std::uint8_t> display_p3_profile();
 
 }  // namespace voxtone::test

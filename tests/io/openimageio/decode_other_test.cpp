@@ -341,6 +341,10 @@ TEST_CASE("A photograph's profile says what its codes are, where it is asked for
     CHECK(said.coding == SampleCoding::srgb);
     CHECK(is(stored, {60000, 20000, 10000}));
     CHECK(stored.coding == SampleCoding::unknown);
+    // The green of Display P3 has less than no red and blue of sRGB.
+    Photograph wide = read({.bits = 16, .pixel = {0, 65535, 0}, .profile = display_p3_profile()}, true);
+    make_linear(wide);
+    CHECK((wide.pixels.at(7) - Eigen::Vector3f(-0.2249f, 1.0420f, -0.0786f)).cwiseAbs().maxCoeff() < 2e-3f);
     page.profile.resize(100);  // broken: as if there were none
     CHECK(is(read(page, true), {60000, 20000, 10000}));
 }
